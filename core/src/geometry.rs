@@ -1,0 +1,99 @@
+//! Image points, rotations and poses, and the conventions they share.
+//!
+//! Image: x right, y down, pixel centres at integers, (0, 0) the centre of the top-left pixel.
+//! Poses are named `a_from_b`, points `x_in_a`; rotation matrices act on column vectors.
+//! Metres, radians, seconds.
+
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// A point in a picture, in pixels: `u` right, `v` down, (0, 0) the centre of the top-left pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ImagePoint {
+    /// Pixels to the right of the first column's centre.
+    pub u: f32,
+    /// Pixels below the first row's centre.
+    pub v: f32,
+}
+
+impl ImagePoint {
+    /// A point from its two coordinates in pixels.
+    #[must_use]
+    pub const fn new(u: f32, v: f32) -> Self {
+        Self { u, v }
+    }
+
+    /// The distance to another point, in pixels.
+    #[must_use]
+    pub fn distance(self, other: Self) -> f32 {
+        let (du, dv) = (self.u - other.u, self.v - other.v);
+        libm::sqrtf(du * du + dv * dv)
+    }
+
+    /// Whether both coordinates are finite numbers.
+    #[must_use]
+    pub fn is_finite(self) -> bool {
+        self.u.is_finite() && self.v.is_finite()
+    }
+}
+
+impl core::ops::Add for ImagePoint {
+    type Output = Self;
+    fn add(self, o: Self) -> Self {
+        Self::new(self.u + o.u, self.v + o.v)
+    }
+}
+
+impl core::ops::Sub for ImagePoint {
+    type Output = Self;
+    fn sub(self, o: Self) -> Self {
+        Self::new(self.u - o.u, self.v - o.v)
+    }
+}
+
+impl core::ops::Mul<f32> for ImagePoint {
+    type Output = Self;
+    fn mul(self, k: f32) -> Self {
+        Self::new(self.u * k, self.v * k)
+    }
+}
+
+/// A rigid motion `a_from_b`: `x_in_a = rotation * x_in_b + translation`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// A proper rotation (determinant +1), columns are b's axes seen in a.
+    pub rotation: Matrix3<f32>,
+    /// b's origin seen in a, metres.
+    pub translation: Vector3<f32>,
+}
+
+impl Pose {
+    /// No motion at all.
+    #[must_use]
+    pub fn identity() -> Self {
+        Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
+    }
+
+    /// `a_from_c` out of `a_from_b` (self) and `b_from_c`.
+    #[must_use]
+    pub fn compose(&self, b_from_c: &Self) -> Self {
+        Self {
+            rotation: self.rotation * b_from_c.rotation,
+            translation: self.rotation * b_from_c.translation + self.translation,
+        }
+    }
+
+    /// `b_from_a` out of `a_from_b`.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.transpose();
+        Self { rotation, translation: -(rotation * self.translation) }
+    }
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self::identity()
+    }
+}

@@ -1,0 +1,1 @@
+//! What crosses a cable: versioned packets and their incremental decoder.

@@ -1,0 +1,1 @@
+//! Seeded scene renderer with exact ground truth.

@@ -1,0 +1,2 @@
+//! The `tetrad` program.
+fn main() {}
