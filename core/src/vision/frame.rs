@@ -115,13 +115,20 @@ impl fmt::Display for FrameError {
         match *self {
             Self::Empty => f.write_str("the picture has no pixels"),
             Self::TooLarge => write!(f, "the picture is wider or higher than {MAX_SIDE} pixels"),
-            Self::OddWidth => f.write_str("this format shares chroma between two columns: its width must be even"),
-            Self::OddHeight => f.write_str("this format shares chroma between two rows: its height must be even"),
+            Self::OddWidth => {
+                f.write_str("this format shares chroma between two columns: its width must be even")
+            }
+            Self::OddHeight => {
+                f.write_str("this format shares chroma between two rows: its height must be even")
+            }
             Self::StrideTooSmall { needed, given } => {
                 write!(f, "a row needs {needed} bytes and the stride is {given}")
             }
             Self::WrongLength { needed, given } => {
-                write!(f, "the picture needs {needed} bytes (and at most its padding more) and the buffer has {given}")
+                write!(
+                    f,
+                    "the picture needs {needed} bytes (and at most its padding more) and the buffer has {given}"
+                )
             }
         }
     }
@@ -158,10 +165,10 @@ impl<'a> FrameView<'a> {
         if width > MAX_SIDE || height > MAX_SIDE {
             return Err(FrameError::TooLarge);
         }
-        if format.needs_even_width() && width % 2 != 0 {
+        if format.needs_even_width() && !width.is_multiple_of(2) {
             return Err(FrameError::OddWidth);
         }
-        if format.needs_even_height() && height % 2 != 0 {
+        if format.needs_even_height() && !height.is_multiple_of(2) {
             return Err(FrameError::OddHeight);
         }
         let row = format.row_bytes(usize::from(width));
@@ -170,7 +177,7 @@ impl<'a> FrameView<'a> {
         }
         let rows = format.rows(usize::from(height));
         // A stride so large that the product overflows cannot have a buffer behind it.
-        let whole = stride.checked_mul(rows).unwrap_or(usize::MAX);
+        let whole = stride.saturating_mul(rows);
         let needed = whole.saturating_sub(stride - row);
         if data.len() < needed || data.len() > whole {
             return Err(FrameError::WrongLength { needed, given: data.len() });
