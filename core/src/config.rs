@@ -1,4 +1,248 @@
 //! Every capacity and threshold of the core in one table: value, unit, origin.
+//!
+//! One type a stage. A stage never holds a number of its own: it takes its configuration as an
+//! argument, so that a microcontroller, a test and a desktop can be told the same.
+
+use core::fmt;
 
 /// The most cameras that may look at one hand (DESIGN: one to eight).
 pub const MAX_VIEWS: usize = 8;
+
+/// The largest ball that is measured, pixels. The paper goes to 65; close-ups in footage reach 116.
+pub const MAX_DIAMETER: f32 = 128.0;
+
+/// Rows that the edges of one ball may span: three times [`MAX_DIAMETER`], since the spiral may
+/// start on any pixel of the ball and is bounded by a square of three diameters (section 3.2).
+pub const MAX_ROWS: usize = 384;
+
+/// Candidates a global search keeps of one ball.
+pub const MAX_CANDIDATES: usize = 4;
+
+/// Section 2 and eq. 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ColourConfig {
+    /// alpha of eq. 1 in 1/256: where between background and ball the threshold lies. The paper
+    /// leaves it open (0 < alpha <= 1); half way makes the two sides of a blurred rim alike.
+    pub alpha_256: u16,
+    /// alpha where the first finds no bounded ball because something like it touches it, in 1/256.
+    pub strict_alpha_256: u16,
+    /// Of 16 pixels around the ball, the rank (by M, 0 the least) that stands for the background.
+    /// Above the middle, so that a finger or a face beside the ball moves the threshold.
+    pub background_rank: usize,
+}
+
+/// Section 3.2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SearchConfig {
+    /// Side of the window in tracking mode, diameters (section 3.2: three).
+    pub window_diameters: f32,
+    /// Side of the larger window, diameters (section 3.2: "a larger search area").
+    pub widened_diameters: f32,
+    /// The spiral ends when it has scanned the square of so many diameters (section 3.2: 9 d^2).
+    pub spiral_diameters: f32,
+    /// Share of matched among visited pixels under which a spiral is inconsistent, 1/256. A ball
+    /// wholly seen from its own rim fills a fifth of the spiral; a quarter of that is left for
+    /// occlusion.
+    pub min_match_256: u32,
+    /// Pixels a global search may test, as a multiple of the picture's own. It bounds the worst
+    /// case: a picture in which everything has the ball's colour.
+    pub global_budget: f32,
+}
+
+/// Sections 3.2 (scores) and 3.5 (shape).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShapeConfig {
+    /// Fewest matched pixels that count as a ball. 5 px across is 20 pixels; a third may be hidden.
+    pub min_area: u32,
+    /// The shape rules hold from this diameter on, pixels (section 3.5: "when d is large enough").
+    pub min_diameter: f32,
+    /// How far area / (width x height) may be from pi/4, relative, for a ball seen whole.
+    pub fill_tolerance: f32,
+    /// How far height / width may be from what was learnt, as a ratio above 1.
+    pub aspect_tolerance: f32,
+    /// Pixels by which digitisation may move either side on top of that.
+    pub digitisation: f32,
+    /// How much larger or smaller than last time a ball in its window may be, as a ratio above 1.
+    pub size_step: f32,
+    /// How much larger or smaller than last time a ball found by global search may be.
+    pub size_range: f32,
+    /// The least score of a candidate found by global search, 0 to 1.
+    pub min_score: f32,
+}
+
+/// Section 3.4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct OcclusionConfig {
+    /// Under this share of the last clean area a ball counts as occluded.
+    pub area_share: f32,
+    /// Under this share of the last clean diameter (width or height) a ball counts as occluded.
+    pub diameter_share: f32,
+    /// Under this share of the last clean area nothing of it is taken as measured: it is hidden.
+    pub hidden_share: f32,
+    /// Pixels by which two balls may be further apart than (D_x + D_y) / 2 and still touch.
+    pub margin: f32,
+    /// How long a hidden ball is predicted before it is lost, microseconds.
+    pub predict_us: u64,
+}
+
+/// Section 3.5.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ValidationConfig {
+    /// The largest d(measured, predicted) of section 3.5, a mean over the pairs of balls.
+    pub max_mismatch: f32,
+    /// Frames in a row that must hold before the reference colours follow.
+    pub confirmations: u8,
+    /// How much of the way to the measured colour a reference goes each frame, 1/256.
+    pub follow_256: u16,
+    /// How far (D of section 2, brightness taken out) a reference may drift from the learnt colour.
+    pub max_drift: f32,
+    /// Radius around the place that the other balls suggest in which a lost ball may come back,
+    /// in largest distances between two balls.
+    pub gate_spread: f32,
+    /// Growth of that radius for each second of absence, in the same unit.
+    pub gate_growth: f32,
+}
+
+/// All stages of one camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TrackerConfig {
+    /// Section 2 and eq. 1.
+    pub colour: ColourConfig,
+    /// Section 3.2.
+    pub search: SearchConfig,
+    /// Shape.
+    pub shape: ShapeConfig,
+    /// Section 3.4.
+    pub occlusion: OcclusionConfig,
+    /// Section 3.5.
+    pub validation: ValidationConfig,
+    /// Whether the balls are one rigid frame: the geometric rules of section 3.5 hold only then.
+    /// False for balls that move on their own.
+    pub rigid: bool,
+}
+
+impl Default for TrackerConfig {
+    fn default() -> Self {
+        Self {
+            colour: ColourConfig { alpha_256: 128, strict_alpha_256: 192, background_rank: 11 },
+            search: SearchConfig {
+                window_diameters: 3.0,
+                widened_diameters: 7.0,
+                spiral_diameters: 3.0,
+                min_match_256: 12,
+                global_budget: 4.0,
+            },
+            shape: ShapeConfig {
+                min_area: 7,
+                min_diameter: 8.0,
+                fill_tolerance: 0.14,
+                aspect_tolerance: 1.22,
+                digitisation: 1.0,
+                size_step: 1.7,
+                size_range: 2.5,
+                min_score: 0.3,
+            },
+            occlusion: OcclusionConfig {
+                area_share: 0.8,
+                diameter_share: 0.85,
+                hidden_share: 0.08,
+                margin: 1.5,
+                predict_us: 500_000,
+            },
+            validation: ValidationConfig {
+                max_mismatch: 0.15,
+                confirmations: 5,
+                follow_256: 16,
+                max_drift: 0.12,
+                gate_spread: 0.5,
+                gate_growth: 0.5,
+            },
+            rigid: true,
+        }
+    }
+}
+
+/// Which setting cannot be worked with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ConfigError {
+    /// alpha of eq. 1 must lie in 1..=256 (in 1/256).
+    Alpha,
+    /// The background rank must be below 16.
+    BackgroundRank,
+    /// A window or spiral must be finite, at least one diameter and at most 16.
+    Window,
+    /// The budget of a global search must be finite and between 1 and 64 pictures.
+    Budget,
+    /// A ratio, share or tolerance is not finite or is negative.
+    Tolerance,
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Alpha => "alpha of eq. 1 must be between 1/256 and 1",
+            Self::BackgroundRank => "the background rank must be below 16",
+            Self::Window => "windows and spirals must be between 1 and 16 diameters",
+            Self::Budget => "the budget of a global search must be between 1 and 64 pictures",
+            Self::Tolerance => "a ratio, share or tolerance is negative or not a number",
+        })
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+impl TrackerConfig {
+    /// Whether every setting can be worked with.
+    ///
+    /// # Errors
+    /// The first [`ConfigError`] met.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let alpha_ok = |a: u16| (1..=256).contains(&a);
+        if !alpha_ok(self.colour.alpha_256) || !alpha_ok(self.colour.strict_alpha_256) {
+            return Err(ConfigError::Alpha);
+        }
+        if self.colour.background_rank >= 16 {
+            return Err(ConfigError::BackgroundRank);
+        }
+        let s = &self.search;
+        if ![s.window_diameters, s.widened_diameters, s.spiral_diameters]
+            .iter()
+            .all(|d| (1.0..=16.0).contains(d))
+        {
+            return Err(ConfigError::Window);
+        }
+        if !(1.0..=64.0).contains(&s.global_budget) {
+            return Err(ConfigError::Budget);
+        }
+        let (h, o, v) = (&self.shape, &self.occlusion, &self.validation);
+        let tolerances = [
+            h.min_diameter,
+            h.fill_tolerance,
+            h.aspect_tolerance,
+            h.digitisation,
+            h.size_step,
+            h.size_range,
+            h.min_score,
+            o.area_share,
+            o.diameter_share,
+            o.hidden_share,
+            o.margin,
+            v.max_mismatch,
+            v.max_drift,
+            v.gate_spread,
+            v.gate_growth,
+        ];
+        if tolerances.iter().all(|t| t.is_finite() && *t >= 0.0) {
+            Ok(())
+        } else {
+            Err(ConfigError::Tolerance)
+        }
+    }
+}
