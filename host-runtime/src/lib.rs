@@ -1,1 +1,6 @@
 //! The host side of Tetrad.
+
+pub mod balls;
+pub mod colours;
+pub mod exit;
+pub mod scene_file;
