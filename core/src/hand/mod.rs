@@ -1,1 +1,17 @@
 //! Two (or up to eight) cameras become one hand: section 4 of the paper.
+//!
+//! | stage | file | in -> out | refusals |
+//! |---|---|---|---|
+//! | affine | [`affine`] | reference views, a point in each -> its coordinates (eq. 5 to 8) | [`affine::AffineRefusal`] |
+//! | orientation | [`orientation`] | three arms -> a proper rotation (eq. 4, Gram-Schmidt) | [`orientation::OrientationRefusal`] |
+//! | motion | [`motion`] | observations -> alpha, Phi and the pose since engage | [`motion::MotionRefusal`] |
+//!
+//! Nothing here knows a left or a right camera: views are a list, and a view is known by its
+//! place in it. Nothing here panics: what cannot be solved is refused by a value with a reason.
+
+pub mod affine;
+pub mod motion;
+pub mod orientation;
+
+#[cfg(test)]
+mod synthetic;
