@@ -4,3 +4,4 @@ pub mod balls;
 pub mod colours;
 pub mod exit;
 pub mod scene_file;
+pub mod settings;

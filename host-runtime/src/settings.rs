@@ -1,0 +1,197 @@
+//! From flags and files to checked settings: after this, nothing about `tetrad track` is in doubt but
+//! the pictures themselves.
+
+use crate::balls::BallSet;
+use crate::colours::Colours;
+use crate::exit::{Exit, Failure, OrExit as _};
+use crate::scene_file::{SceneFile, Seeds};
+use anyhow::Context as _;
+use clap::{Args, ValueEnum};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The largest arm that is believed, in millimetres: a hand-held frame is far smaller.
+pub const MAX_ARM_MM: f32 = 10_000.0;
+
+/// How centres and poses are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Mode {
+    /// The paper's: row-edge centres (eq. 2), frame-to-frame affine motion.
+    Paper,
+    /// Sub-pixel centres and an engage-latched pose; not in this version.
+    Refined,
+}
+
+/// The flags of `tetrad track`.
+#[derive(Args, Clone, Debug)]
+pub struct TrackArgs {
+    /// The left (or only) camera: /dev/videoN, a folder of numbered frames, a .y4m file or sim:NAME
+    #[arg(long, value_name = "SRC")]
+    pub left: String,
+    /// The right camera; without it one camera is tracked and there is no pose
+    #[arg(long, value_name = "SRC")]
+    pub right: Option<String>,
+    /// The left camera's colours, from `tetrad learn`
+    #[arg(long, value_name = "FILE", required_unless_present = "scene")]
+    pub colours_left: Option<PathBuf>,
+    /// The right camera's colours, from `tetrad learn`
+    #[arg(long, value_name = "FILE", requires = "right", conflicts_with = "scene")]
+    pub colours_right: Option<PathBuf>,
+    /// A scene.json: colours are learnt where it says the balls are in the first frame
+    #[arg(long, value_name = "FILE", conflicts_with = "colours_left")]
+    pub scene: Option<PathBuf>,
+    /// Length of the feature frame's arms E1, E2, E3 in millimetres [default: the scene's]
+    #[arg(long, value_name = "MM")]
+    pub arm_mm: Option<f32>,
+    /// How centres and poses are computed
+    #[arg(long, value_enum, default_value_t = Mode::Paper)]
+    pub mode: Mode,
+    /// Track only these balls [default: the scene's, or all four]
+    #[arg(long, value_name = "BALLS")]
+    pub balls: Option<BallSet>,
+    /// Where observations.csv, pose.csv, motion.csv and summary.json go; made if missing
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+/// How a camera's balls are first known.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Start {
+    /// Their colours are known, their places are searched for.
+    Colours(Colours),
+    /// Their places in the first frame are known, their colours are learnt there.
+    Seeds {
+        /// Where the balls are.
+        seeds: Seeds,
+        /// The scene file, for messages.
+        file: String,
+    },
+}
+
+/// One camera of `tetrad track`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraSettings {
+    /// `left` or `right`.
+    pub name: &'static str,
+    /// Where its pictures come from.
+    pub source: String,
+    /// How its balls are first known: exactly [`TrackSettings::balls`].
+    pub start: Start,
+}
+
+/// `tetrad track`, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackSettings {
+    /// The left (or only) camera, then the right one.
+    pub cameras: Vec<CameraSettings>,
+    /// The balls to track.
+    pub balls: BallSet,
+    /// Whether they are one rigid frame.
+    pub rigid: bool,
+    /// The arms' length in metres; there is one whenever there is a pose.
+    pub arm_m: Option<f32>,
+    /// Frames per second where a source has no times.
+    pub fps: Option<f64>,
+    /// Where results go.
+    pub out: PathBuf,
+}
+
+impl TrackSettings {
+    /// Reads and checks everything the flags name but the sources.
+    ///
+    /// # Errors
+    /// [`Failure`] with [`Exit::BadArguments`] that names the flag, or the file and its key.
+    pub fn new(args: TrackArgs) -> Result<Self, Failure> {
+        if args.mode == Mode::Refined {
+            return Err(Failure::bad_arguments("--mode refined: this version has the `paper` mode only")
+                .help("leave --mode out, or give --mode paper"));
+        }
+        if let Some(mm) = args.arm_mm
+            && !(mm > 0.0 && mm <= MAX_ARM_MM)
+        {
+            return Err(Failure::bad_arguments(format!(
+                "--arm-mm {mm}: a length above 0 and up to {MAX_ARM_MM} mm is needed"
+            )));
+        }
+        let settings = match &args.scene {
+            Some(scene) => Self::from_scene(scene, &args)?,
+            None => Self::from_colours(&args)?,
+        };
+        if settings.has_pose() && settings.arm_m.is_none() {
+            return Err(Failure::bad_arguments("the arms' length is not known, and a pose needs it")
+                .help("give --arm-mm, or arm_m in the scene file"));
+        }
+        Ok(settings)
+    }
+
+    /// Whether there is a hand to solve for: all four balls in two cameras.
+    #[must_use]
+    pub fn has_pose(&self) -> bool {
+        self.cameras.len() >= 2 && self.balls.is_all()
+    }
+
+    fn from_colours(args: &TrackArgs) -> Result<Self, Failure> {
+        let balls = args.balls.unwrap_or(BallSet::ALL);
+        let mut cameras = Vec::new();
+        for (name, source, file) in [
+            ("left", Some(&args.left), &args.colours_left),
+            ("right", args.right.as_ref(), &args.colours_right),
+        ] {
+            let Some(source) = source else { continue };
+            let Some(file) = file else {
+                return Err(Failure::bad_arguments(format!("--{name} is given without --colours-{name}"))
+                    .help(format!("teach that camera with `tetrad learn --source {source} ...`")));
+            };
+            let label = file.display().to_string();
+            let colours = Colours::parse(&read(file)?, &label)
+                .and_then(|colours| colours.select(balls, &label))
+                .or_exit(Exit::BadArguments)?;
+            cameras.push(CameraSettings { name, source: source.clone(), start: Start::Colours(colours) });
+        }
+        let arm_m = args.arm_mm.map(|mm| mm / 1000.0);
+        Ok(Self { cameras, balls, rigid: balls.is_all(), arm_m, fps: None, out: args.out.clone() })
+    }
+
+    fn from_scene(file: &Path, args: &TrackArgs) -> Result<Self, Failure> {
+        let label = file.display().to_string();
+        let scene = SceneFile::parse(&read(file)?, &label).or_exit(Exit::BadArguments)?;
+        let balls = args.balls.unwrap_or_else(|| scene.balls());
+        if let Some(absent) = balls.iter().find(|&ball| !scene.balls().contains(ball)) {
+            let name = absent.name();
+            return Err(Failure::bad_arguments(format!("--balls {balls}: {label} has no seed for {name}"))
+                .help(format!("add seeds.left.{name}, or leave {name} out of --balls")));
+        }
+        let start = |mut seeds: Seeds| {
+            for ball in tetrad_core::observation::Ball::ALL {
+                seeds[ball.index()] = seeds[ball.index()].filter(|_| balls.contains(ball));
+            }
+            Start::Seeds { seeds, file: label.clone() }
+        };
+        let mut cameras =
+            vec![CameraSettings { name: "left", source: args.left.clone(), start: start(scene.left) }];
+        if let Some(source) = &args.right {
+            let Some(seeds) = scene.right else {
+                return Err(Failure::bad_arguments(format!("{label}: seeds.right is missing"))
+                    .help("--right needs the places of the balls in the right camera's first frame"));
+            };
+            cameras.push(CameraSettings { name: "right", source: source.clone(), start: start(seeds) });
+        }
+        Ok(Self {
+            cameras,
+            balls,
+            rigid: scene.rigid.unwrap_or(balls.is_all()),
+            arm_m: args.arm_mm.map(|mm| mm / 1000.0).or(scene.arm_m),
+            fps: scene.fps,
+            out: args.out.clone(),
+        })
+    }
+}
+
+fn read(file: &Path) -> Result<String, Failure> {
+    fs::read_to_string(file)
+        .with_context(|| format!("cannot read {}", file.display()))
+        .or_exit(Exit::BadArguments)
+}
+
+#[cfg(test)]
+mod tests;
