@@ -3,5 +3,6 @@
 pub mod balls;
 pub mod colours;
 pub mod exit;
+pub mod output;
 pub mod scene_file;
 pub mod settings;

@@ -124,10 +124,10 @@ impl TrackSettings {
         Ok(settings)
     }
 
-    /// Whether there is a hand to solve for: all four balls in two cameras.
+    /// Whether there is a hand to solve for: all four balls of one rigid frame in two cameras.
     #[must_use]
     pub fn has_pose(&self) -> bool {
-        self.cameras.len() >= 2 && self.balls.is_all()
+        self.cameras.len() >= 2 && self.balls.is_all() && self.rigid
     }
 
     fn from_colours(args: &TrackArgs) -> Result<Self, Failure> {

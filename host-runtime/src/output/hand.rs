@@ -1,0 +1,126 @@
+//! `pose.csv` and `motion.csv`: where the hand is and how it moved, one row a frame.
+
+use super::csv::{CsvFile, OutputError, Row};
+use nalgebra::Matrix3;
+use std::path::Path;
+use tetrad_core::geometry::Pose;
+use tetrad_core::hand::motion::{Motion, PoseState};
+
+/// `frame,t,x,y,z,r11..r33,state`: metres, in the feature frame of the first complete frame; empty
+/// while there has been none.
+#[derive(Debug)]
+pub struct PoseCsv(CsvFile);
+
+impl PoseCsv {
+    /// Creates the file in `dir`.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be created.
+    pub fn create(dir: &Path) -> Result<Self, OutputError> {
+        CsvFile::create(dir, "pose.csv", "frame,t,x,y,z,r11,r12,r13,r21,r22,r23,r31,r32,r33,state").map(Self)
+    }
+
+    /// Adds one frame: the pose, and how it is known.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be written.
+    pub fn write(
+        &mut self,
+        (frame, t_s): (u64, f64),
+        pose: Option<&Pose>,
+        state: PoseState,
+    ) -> Result<(), OutputError> {
+        self.0.row(|row| {
+            row.field(frame).time(t_s);
+            twelve(row, pose.map(|pose| (pose.translation.as_ref(), &pose.rotation)));
+            row.field(state.name());
+        })
+    }
+}
+
+/// `frame,t,a1,a2,a3,phi11..phi33`: the paper's differential alpha in metres and Phi, since the last
+/// complete frame; empty where the frame gave no motion.
+#[derive(Debug)]
+pub struct MotionCsv(CsvFile);
+
+impl MotionCsv {
+    /// Creates the file in `dir`.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be created.
+    pub fn create(dir: &Path) -> Result<Self, OutputError> {
+        let header = "frame,t,a1,a2,a3,phi11,phi12,phi13,phi21,phi22,phi23,phi31,phi32,phi33";
+        CsvFile::create(dir, "motion.csv", header).map(Self)
+    }
+
+    /// Adds one frame.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be written.
+    pub fn write(&mut self, (frame, t_s): (u64, f64), motion: Option<&Motion>) -> Result<(), OutputError> {
+        self.0.row(|row| {
+            row.field(frame).time(t_s);
+            twelve(row, motion.map(|motion| (motion.alpha.as_ref(), &motion.phi)));
+        })
+    }
+}
+
+/// Three of a vector and nine of a matrix row by row, or as many empty fields.
+fn twelve(row: &mut Row<'_>, values: Option<(&[f32; 3], &Matrix3<f32>)>) {
+    match values {
+        Some((vector, matrix)) => {
+            // nalgebra iterates column by column: of the transpose that is row by row
+            for &value in vector.iter().chain(matrix.transpose().iter()) {
+                row.number(value);
+            }
+        }
+        None => (0..12).for_each(|_| {
+            row.empty();
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn a_pose_is_written_row_by_row_and_an_unknown_one_left_empty() {
+        let dir = tempfile::tempdir().unwrap();
+        let mut csv = PoseCsv::create(dir.path()).unwrap();
+        let pose = Pose {
+            rotation: Matrix3::new(11.0, 12.0, 13.0, 21.0, 22.0, 23.0, 31.0, 32.0, 33.0),
+            translation: Vector3::new(0.1, -0.2, 0.3),
+        };
+        csv.write((0, 0.0), None, PoseState::Lost).unwrap();
+        csv.write((1, 0.1), Some(&pose), PoseState::Measured).unwrap();
+        assert_eq!(
+            std::fs::read_to_string(dir.path().join("pose.csv")).unwrap(),
+            "frame,t,x,y,z,r11,r12,r13,r21,r22,r23,r31,r32,r33,state\n\
+             0,0.000000,,,,,,,,,,,,,lost\n\
+             1,0.100000,0.1,-0.2,0.3,11,12,13,21,22,23,31,32,33,measured\n"
+        );
+    }
+
+    #[test]
+    fn motion_has_fourteen_columns_known_or_not() {
+        let dir = tempfile::tempdir().unwrap();
+        let mut csv = MotionCsv::create(dir.path()).unwrap();
+        let motion = Motion {
+            alpha: Vector3::new(1e-3, 0.0, -2e-9),
+            phi: Matrix3::identity(),
+            since_engage: Pose::identity(),
+            engagements: 0,
+            residual_px: 0.1,
+            spans: 1,
+        };
+        csv.write((4, 2.0), Some(&motion)).unwrap();
+        csv.write((5, 2.5), None).unwrap();
+        let text = std::fs::read_to_string(dir.path().join("motion.csv")).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[1], "4,2.000000,0.001,0,-0.000000002,1,0,0,0,1,0,0,0,1");
+        assert_eq!(lines[2], "5,2.500000,,,,,,,,,,,,");
+        assert!(lines.iter().all(|line| line.split(',').count() == 14));
+    }
+}

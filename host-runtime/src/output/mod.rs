@@ -1,0 +1,14 @@
+//! What `track` and `demo` write: three CSV files as they go, and `summary.json` at the end.
+//!
+//! Every row is handed to the operating system at once, so what was written so far outlives an error.
+//! Numbers have the fewest digits that read back as the same `f32`; what is not known is left empty.
+
+mod csv;
+mod hand;
+mod observations;
+mod summary;
+
+pub use csv::{CsvFile, OutputError};
+pub use hand::{MotionCsv, PoseCsv};
+pub use observations::ObservationsCsv;
+pub use summary::{CameraSummary, Spread, StateCounts, Summary};
