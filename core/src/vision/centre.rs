@@ -9,6 +9,7 @@
 use super::edges::RowEdges;
 use super::frame::{FrameView, Rgb};
 use crate::geometry::ImagePoint;
+use core::f32::consts::FRAC_PI_4;
 
 /// What was measured of one blob of a ball's colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,32 @@ pub struct Blob {
     pub bounds: (i32, i32, i32, i32),
     /// Whether the picture's edge cuts it.
     pub cut: bool,
+}
+
+/// A ball as it was when it was last seen whole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clean {
+    /// The largest N_r, pixels.
+    pub diameter: f32,
+    /// Rows, pixels.
+    pub height: f32,
+    /// Pixels.
+    pub area: f32,
+}
+
+impl Clean {
+    /// From a taught diameter and aspect.
+    #[must_use]
+    pub fn taught(diameter: f32, aspect: f32) -> Self {
+        let height = diameter * aspect;
+        Self { diameter, height, area: diameter * height * FRAC_PI_4 }
+    }
+
+    /// From a blob that is a whole ball.
+    #[must_use]
+    pub const fn of(blob: &Blob) -> Self {
+        Self { diameter: blob.diameter, height: blob.height, area: blob.area }
+    }
 }
 
 /// Eq. 2 over all rows. `None` when no row was matched.

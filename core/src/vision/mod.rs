@@ -1,7 +1,27 @@
 //! One camera: from a borrowed frame to an observation of each ball.
+//!
+//! The modules stand in the order of the path; each uses only those before it.
+
+pub mod frame;
+
+pub mod colour;
+
+pub mod search;
+
+pub mod edges;
 
 pub mod centre;
-pub mod colour;
-pub mod edges;
-pub mod frame;
-pub mod search;
+
+pub mod appearance;
+
+pub mod detect;
+
+pub mod occlusion;
+
+pub mod validation;
+
+mod track;
+
+mod reacquire;
+
+pub mod tracker;
