@@ -9,7 +9,8 @@
 //! reference = [203, 41, 52]    # p_ref of eq. 1, each component 0 to 255
 //! typical = [198, 44, 55]      # p_typ
 //! background = [120, 118, 110] # p_bkg
-//! diameter_px = 16.5
+//! diameter_px = 16.5           # its width
+//! aspect = 1.0                 # optional: height / width, for pixels that are not square
 //! at = [312.4, 201.9]          # optional: where the ball was
 //! ```
 //!
@@ -18,28 +19,22 @@
 
 use crate::balls::BallSet;
 use std::fmt::{self, Write as _};
+use tetrad_core::config::MAX_DIAMETER;
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::{BALLS, Ball};
+use tetrad_core::vision::appearance::{LearntBall, MAX_ASPECT, MIN_DIAMETER};
 use tetrad_core::vision::colour::{Matcher, Primary, Reference};
-use tetrad_core::vision::frame::{MAX_SIDE, Rgb};
+use tetrad_core::vision::frame::Rgb;
 use toml::{Table, Value};
 
-/// The smallest diameter a file may give, in pixels: below it a ball has no inside.
-pub const MIN_DIAMETER_PX: f32 = 1.0;
-
-/// The largest diameter a file may give, in pixels: the side of the largest picture.
-pub const MAX_DIAMETER_PX: f32 = MAX_SIDE as f32;
-
-const KEYS_OF_A_BALL: [&str; 5] = ["reference", "typical", "background", "diameter_px", "at"];
+const KEYS_OF_A_BALL: [&str; 6] = ["reference", "typical", "background", "diameter_px", "aspect", "at"];
 const KEYS_OF_THE_ORIGIN: [&str; 2] = ["source", "frame"];
 
 /// What is known of one ball in one camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BallColours {
-    /// The three colours of eq. 1.
-    pub reference: Reference,
-    /// The diameter in the picture it was learnt from, in pixels.
-    pub diameter_px: f32,
+    /// Colours and size, as the tracker takes them.
+    pub learnt: LearntBall,
     /// Where the ball was in that picture.
     pub at: Option<ImagePoint>,
 }
@@ -145,10 +140,11 @@ impl Colours {
             let _ = write!(text, "\n[learnt_from]\nsource = {source}\nframe = {frame}\n");
         }
         for ball in Ball::ALL {
-            let Some(BallColours { reference, diameter_px, at }) = self.balls[ball.index()] else { continue };
+            let Some(BallColours { learnt, at }) = self.balls[ball.index()] else { continue };
+            let LearntBall { reference, diameter, aspect } = learnt;
             let _ = write!(
                 text,
-                "\n[{}]\nreference = {}\ntypical = {}\nbackground = {}\ndiameter_px = {diameter_px:?}\n",
+                "\n[{}]\nreference = {}\ntypical = {}\nbackground = {}\ndiameter_px = {diameter:?}\naspect = {aspect:?}\n",
                 ball.name(),
                 components(reference.reference),
                 components(reference.typical),
@@ -193,17 +189,23 @@ fn parse_ball(ball: Ball, entries: &Table) -> Result<BallColours, Problem> {
     if let Err(error) = Matcher::new(&reference, 128) {
         return Err((format!("[{table}] typical"), format!("{error}: {again}")));
     }
+    let ranged = |key: &str, value: &Value, (least, most): (f32, f32)| {
+        number(value).filter(|x| (least..=most).contains(x)).ok_or_else(|| {
+            (format!("[{table}] {key}"), format!("a number from {least} to {most} is needed, not {value}"))
+        })
+    };
     let diameter = required(table, entries, "diameter_px")?;
-    let diameter_px =
-        number(diameter).filter(|d| (MIN_DIAMETER_PX..=MAX_DIAMETER_PX).contains(d)).ok_or_else(|| {
-            let range = format!("{MIN_DIAMETER_PX} to {MAX_DIAMETER_PX} pixels");
-            (format!("[{table}] diameter_px"), format!("a number from {range} is needed, not {diameter}"))
-        })?;
+    let diameter = ranged("diameter_px", diameter, (MIN_DIAMETER, MAX_DIAMETER))?;
+    let aspect = match entries.get("aspect") {
+        Some(value) => ranged("aspect", value, (1.0 / MAX_ASPECT, MAX_ASPECT))?,
+        None => 1.0,
+    };
     let at = entries.get("at").map(|value| {
         parse_point(value)
             .ok_or_else(|| (format!("[{table}] at"), format!("two finite numbers are needed, not {value}")))
     });
-    Ok(BallColours { reference, diameter_px, at: at.transpose()? })
+    let learnt = LearntBall { reference, diameter, aspect };
+    Ok(BallColours { learnt, at: at.transpose()? })
 }
 
 fn parse_origin(entries: &Table) -> Result<Origin, Problem> {

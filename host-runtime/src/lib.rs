@@ -4,5 +4,6 @@ pub mod balls;
 pub mod colours;
 pub mod exit;
 pub mod output;
+pub mod pipeline;
 pub mod scene_file;
 pub mod settings;

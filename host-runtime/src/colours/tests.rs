@@ -16,12 +16,12 @@ fn problem(text: &str) -> ColoursError {
 #[test]
 fn a_file_with_one_ball_is_read() {
     let colours = Colours::parse(RED, "colours.toml").unwrap();
-    let red = colours.balls[0].unwrap();
+    let BallColours { learnt: red, at } = colours.balls[0].unwrap();
     assert_eq!(red.reference.reference, Rgb::new(203, 41, 52));
     assert_eq!(red.reference.typical, Rgb::new(198, 44, 55));
     assert_eq!(red.reference.background, Rgb::new(120, 118, 110));
     assert_eq!(red.reference.primary, Primary::Red);
-    assert_eq!((red.diameter_px, red.at), (16.5, None));
+    assert_eq!((red.diameter, red.aspect, at), (16.5, 1.0, None));
     assert_eq!(colours.balls[1..], [None; 3]);
     assert_eq!(colours.origin, None);
 }
@@ -37,11 +37,13 @@ fn every_bad_value_is_named_by_file_and_key() {
         ("typical = [198, 44, 55]", "", "[red] typical", "missing"),
         ("typical = [198, 44, 55]", "typical = [120, 118, 110]", "[red] typical", "equals background"),
         ("typical = [198, 44, 55]", "typical = [20, 218, 110]", "[red] typical", "no better"),
-        ("16.5", "nan", "[red] diameter_px", "1 to 8192"),
-        ("16.5", "-inf", "[red] diameter_px", "1 to 8192"),
-        ("16.5", "0", "[red] diameter_px", "1 to 8192"),
-        ("16.5", "9000", "[red] diameter_px", "1 to 8192"),
-        ("16.5", "\"16\"", "[red] diameter_px", "1 to 8192"),
+        ("16.5", "nan", "[red] diameter_px", "3 to 128"),
+        ("16.5", "-inf", "[red] diameter_px", "3 to 128"),
+        ("16.5", "0", "[red] diameter_px", "3 to 128"),
+        ("16.5", "128.1", "[red] diameter_px", "3 to 128"),
+        ("16.5", "\"16\"", "[red] diameter_px", "3 to 128"),
+        ("16.5", "16.5\naspect = nan", "[red] aspect", "0.5 to 2"),
+        ("16.5", "16.5\naspect = 3", "[red] aspect", "0.5 to 2"),
         ("16.5", "16.5\nat = [1.0, nan]", "[red] at", "finite"),
         ("16.5", "16.5\nalpha = 0.5", "[red] alpha", "unknown key"),
         ("[red]", "[pink]", "[pink]", "unknown table"),
@@ -79,15 +81,15 @@ prop_compose! {
 
 fn any_ball(ball: Ball) -> impl Strategy<Value = Option<BallColours>> {
     let point = (-100.0f32..9000.0, -100.0f32..9000.0).prop_map(|(u, v)| ImagePoint::new(u, v));
-    let colours = (any_rgb(), any_rgb(), any_rgb(), MIN_DIAMETER_PX..=MAX_DIAMETER_PX)
-        .prop_map(move |(reference, typical, background, diameter_px)| BallColours {
+    let learnt = (any_rgb(), any_rgb(), any_rgb(), MIN_DIAMETER..=MAX_DIAMETER, 0.5f32..=2.0)
+        .prop_map(move |(reference, typical, background, diameter, aspect)| LearntBall {
             reference: Reference { primary: Primary::of(ball), reference, typical, background },
-            diameter_px,
-            at: None,
+            diameter,
+            aspect,
         })
         .prop_filter("contrast", |b| Matcher::new(&b.reference, 128).is_ok());
-    (proptest::option::of(colours), proptest::option::of(point))
-        .prop_map(|(learnt, at)| learnt.map(|b| BallColours { at, ..b }))
+    let ball = (learnt, proptest::option::of(point)).prop_map(|(learnt, at)| BallColours { learnt, at });
+    proptest::option::of(ball)
 }
 
 proptest! {

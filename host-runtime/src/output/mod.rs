@@ -6,9 +6,11 @@
 mod csv;
 mod hand;
 mod observations;
+mod recorder;
 mod summary;
 
 pub use csv::{CsvFile, OutputError};
 pub use hand::{MotionCsv, PoseCsv};
 pub use observations::ObservationsCsv;
+pub use recorder::{RecordedCamera, Recorder};
 pub use summary::{CameraSummary, Spread, StateCounts, Summary};

@@ -1,0 +1,93 @@
+//! All result files of a run, kept in step.
+
+use super::{CameraSummary, MotionCsv, ObservationsCsv, OutputError, PoseCsv, Summary};
+use crate::balls::BallSet;
+use crate::pipeline::Step;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// One camera of a run, as the summary names it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecordedCamera {
+    /// `left` or `right`.
+    pub name: &'static str,
+    /// SRC as it was given.
+    pub source: String,
+    /// Width and height in pixels.
+    pub size: (u16, u16),
+}
+
+/// Writes observations.csv, pose.csv and motion.csv as frames come, and summary.json at the end.
+#[derive(Debug)]
+pub struct Recorder {
+    dir: PathBuf,
+    balls: BallSet,
+    observations: ObservationsCsv,
+    pose: PoseCsv,
+    motion: MotionCsv,
+    summary: Summary,
+}
+
+impl Recorder {
+    /// Creates the files in `dir`, which must be there.
+    ///
+    /// # Errors
+    /// [`OutputError`] naming the file that cannot be created.
+    pub fn create(
+        dir: &Path,
+        mode: &'static str,
+        cameras: Vec<RecordedCamera>,
+        balls: BallSet,
+    ) -> Result<Self, OutputError> {
+        let cameras = cameras
+            .into_iter()
+            .map(|camera| (camera.name, CameraSummary::new(camera.source, camera.size, balls)))
+            .collect();
+        Ok(Self {
+            dir: dir.to_owned(),
+            balls,
+            observations: ObservationsCsv::create(dir)?,
+            pose: PoseCsv::create(dir)?,
+            motion: MotionCsv::create(dir)?,
+            summary: Summary { mode, frames: 0, cameras, pose_states: BTreeMap::new(), stopped_by: None },
+        })
+    }
+
+    /// Adds one step; `stamps` are the cameras' frame numbers and times in seconds. The hand's rows
+    /// carry the first camera's.
+    ///
+    /// # Errors
+    /// [`OutputError`] when a row cannot be written.
+    pub fn step(&mut self, stamps: &[(u64, f64)], step: &Step) -> Result<(), OutputError> {
+        for ((camera, &stamp), (name, summary)) in
+            step.cameras.iter().zip(stamps).zip(&mut self.summary.cameras)
+        {
+            let report = &camera.report;
+            summary.add(camera.tracking, report.tested, &report.observations);
+            self.observations.write(stamp, name, self.balls, &report.observations)?;
+        }
+        if let (Some(hand), Some(&stamp)) = (&step.hand, stamps.first()) {
+            self.pose.write(stamp, hand.pose.as_ref(), hand.state)?;
+            self.motion.write(stamp, hand.motion.as_ref().ok())?;
+            *self.summary.pose_states.entry(hand.state.name().to_owned()).or_default() += 1;
+        }
+        self.summary.frames += 1;
+        Ok(())
+    }
+
+    /// What the run came to so far.
+    #[must_use]
+    pub const fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    /// Writes summary.json; `stopped_by` is the error that ended the run early.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be written.
+    pub fn finish(mut self, stopped_by: Option<String>) -> Result<Summary, OutputError> {
+        self.summary.stopped_by = stopped_by;
+        self.summary.write(&self.dir)?;
+        Ok(self.summary)
+    }
+}
