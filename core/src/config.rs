@@ -69,8 +69,16 @@ pub struct ShapeConfig {
     pub size_step: f32,
     /// How much larger or smaller than last time a ball found by global search may be.
     pub size_range: f32,
-    /// The least score of a candidate found by global search, 0 to 1.
-    pub min_score: f32,
+    /// From this score on (0 to 1) a find in the window is taken at once.
+    pub good_score: f32,
+    /// Under this score a find is doubtful: believed in the window for [`ShapeConfig::doubt_us`], as
+    /// a ball about to vanish behind something; not believed in a larger window.
+    pub doubtful_score: f32,
+    /// The least score of a find of the global search.
+    pub global_score: f32,
+    /// How long doubtful finds are believed before the whole picture is searched for a better one,
+    /// microseconds.
+    pub doubt_us: u64,
 }
 
 /// Section 3.4.
@@ -130,7 +138,7 @@ pub struct TrackerConfig {
 impl Default for TrackerConfig {
     fn default() -> Self {
         Self {
-            colour: ColourConfig { alpha_256: 128, strict_alpha_256: 192, background_rank: 11 },
+            colour: ColourConfig { alpha_256: 128, strict_alpha_256: 192, background_rank: 13 },
             search: SearchConfig {
                 window_diameters: 3.0,
                 widened_diameters: 7.0,
@@ -146,7 +154,10 @@ impl Default for TrackerConfig {
                 digitisation: 1.0,
                 size_step: 1.7,
                 size_range: 2.5,
-                min_score: 0.3,
+                good_score: 0.3,
+                doubtful_score: 0.15,
+                global_score: 0.5,
+                doubt_us: 120_000,
             },
             occlusion: OcclusionConfig {
                 area_share: 0.8,
@@ -229,7 +240,9 @@ impl TrackerConfig {
             h.digitisation,
             h.size_step,
             h.size_range,
-            h.min_score,
+            h.good_score,
+            h.doubtful_score,
+            h.global_score,
             o.area_share,
             o.diameter_share,
             o.hidden_share,

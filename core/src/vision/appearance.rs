@@ -4,10 +4,10 @@
 //! from the previous tracking iteration"), the reference colour only after several validated frames
 //! in a row (section 3.5), slowly, and never far from the colour that was taught.
 
-use super::centre::Blob;
 use super::colour::{ColourError, Matcher, Reference, matching};
 use super::frame::{FrameView, Rgb};
 use crate::config::{MAX_DIAMETER, ValidationConfig};
+use crate::geometry::ImagePoint;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -87,26 +87,31 @@ const RING_SHARE: f32 = 1.3;
 /// ... and so many pixels more, beyond the blur of the rim.
 const RING_PIXELS: f32 = 2.0;
 
-/// A pixel that stands for the neighbourhood of `blob`: of sixteen around it, the one of rank
-/// `rank` in M. `None` when the picture shows none of them.
+/// A pixel that stands for the neighbourhood of a ball at `centre`, `width` x `height` pixels: of
+/// sixteen around it, the one of rank `rank` in M among those that stay under `ceiling` (in the
+/// matcher's units: what is above it is the ball itself). `None` when there is none.
 #[must_use]
 pub fn background_around(
     frame: &FrameView<'_>,
-    blob: &Blob,
+    centre: ImagePoint,
+    (width, height): (f32, f32),
     matcher: &Matcher,
+    ceiling: i32,
     rank: usize,
     tested: &mut u32,
 ) -> Option<Rgb> {
     let mut ring: heapless::Vec<(i32, Rgb), 16> = heapless::Vec::new();
-    let (a, b) =
-        (blob.diameter * 0.5 * RING_SHARE + RING_PIXELS, blob.height * 0.5 * RING_SHARE + RING_PIXELS);
+    let (a, b) = (width * 0.5 * RING_SHARE + RING_PIXELS, height * 0.5 * RING_SHARE + RING_PIXELS);
     for (cos, sin) in RING {
-        let x = libm::roundf(blob.centre.u + a * cos) as i32;
-        let y = libm::roundf(blob.centre.v + b * sin) as i32;
+        let x = libm::roundf(centre.u + a * cos) as i32;
+        let y = libm::roundf(centre.v + b * sin) as i32;
         if let Some(colour) = frame.pixel(x, y) {
             *tested += 1;
-            // RING has as many places as the vector
-            let _ = ring.push((matcher.matching(colour), colour));
+            let m = matcher.matching(colour);
+            if m < ceiling {
+                // RING has as many places as the vector
+                let _ = ring.push((m, colour));
+            }
         }
     }
     ring.sort_unstable_by_key(|(m, _)| *m);
@@ -175,14 +180,35 @@ impl Appearance {
         })
     }
 
-    /// Takes typical and background colour from a clean detection, unless they would leave no
-    /// contrast: then the former ones stay.
-    pub fn follow(&mut self, typical: Rgb, background: Option<Rgb>) {
-        let next =
-            Reference { typical, background: background.unwrap_or(self.current.background), ..self.current };
+    /// Takes typical and background colour from a detection, each unless it would leave no contrast:
+    /// then the former stays.
+    pub fn follow(&mut self, typical: Option<Rgb>, background: Option<Rgb>) {
+        if let Some(typical) = typical {
+            self.take(Reference { typical, ..self.current });
+        }
+        if let Some(background) = background {
+            self.take(Reference { background, ..self.current });
+        }
+    }
+
+    fn take(&mut self, next: Reference) {
         if Matcher::new(&next, 128).is_ok() {
             self.current = next;
         }
+    }
+
+    /// Eq. 1 with another background: what surrounds the place where the ball is expected now.
+    #[must_use]
+    pub fn matcher_against(&self, background: Rgb, alpha_256: u16) -> Option<Matcher> {
+        Matcher::new(&Reference { background, ..self.current }, alpha_256).ok()
+    }
+
+    /// The M above which a pixel is rather the ball than what surrounds it: three quarters of the
+    /// way from background to typical.
+    #[must_use]
+    pub fn ceiling(&self) -> i32 {
+        let of_background = self.matching(self.current.background);
+        of_background + (self.matching(self.current.typical) - of_background) * 3 / 4
     }
 
     /// A frame in which every validation rule held: after enough of them in a row the reference
@@ -269,7 +295,7 @@ mod tests {
     fn the_reference_waits_for_confirmations_and_starts_again_after_a_doubt() {
         let config = TrackerConfig::default().validation;
         let mut a = Appearance::new(red()).unwrap();
-        a.follow(Rgb::new(150, 25, 25), None);
+        a.follow(Some(Rgb::new(150, 25, 25)), None);
         for _ in 1..config.confirmations {
             a.confirm(&config);
         }
@@ -288,7 +314,7 @@ mod tests {
         let config = TrackerConfig::default().validation;
         let mut a = Appearance::new(red()).unwrap();
         for _ in 0..200 {
-            a.follow(Rgb::new(95, 17, 17), Some(Rgb::new(60, 60, 60)));
+            a.follow(Some(Rgb::new(95, 17, 17)), Some(Rgb::new(60, 60, 60)));
             a.confirm(&config);
         }
         let r = a.current().reference;
@@ -300,7 +326,7 @@ mod tests {
         let config = TrackerConfig::default().validation;
         let mut a = Appearance::new(red()).unwrap();
         for _ in 0..500 {
-            a.follow(Rgb::new(200, 160, 40), None);
+            a.follow(Some(Rgb::new(200, 160, 40)), None);
             a.confirm(&config);
         }
         assert!(drift(red().reference.reference, a.current().reference) <= config.max_drift);
@@ -312,7 +338,8 @@ mod tests {
     fn colours_without_contrast_are_not_taken() {
         let mut a = Appearance::new(red()).unwrap();
         let before = *a.current();
-        a.follow(Rgb::new(120, 120, 120), Some(Rgb::new(200, 30, 30)));
+        a.follow(Some(Rgb::new(120, 120, 120)), None);
+        a.follow(None, Some(Rgb::new(200, 30, 30)));
         assert_eq!(*a.current(), before);
     }
 

@@ -11,6 +11,7 @@ use super::colour::{FULL_SCALE, Matcher};
 use super::edges::{Abandoned, RowEdges, SpiralLimits};
 use super::frame::FrameView;
 use super::search::{Region, UniformSearch};
+use super::validation::shape_holds;
 use crate::config::{MAX_CANDIDATES, MAX_ROWS, SearchConfig, ShapeConfig};
 use core::f32::consts::FRAC_PI_4;
 
@@ -145,7 +146,7 @@ impl Search<'_> {
             }) {
                 best = Some(found);
             }
-            found.score >= self.shape.min_score
+            found.score >= self.shape.good_score
         });
         (best, unbounded)
     }
@@ -161,7 +162,9 @@ impl Search<'_> {
         let pixels = region.width() as f32 * region.height() as f32;
         let budget = tested.saturating_add((pixels * self.search.global_budget) as u32);
         self.each_blob(region, budget, scratch, tested, |found| {
-            if found.score >= self.shape.min_score {
+            if found.score >= self.shape.global_score
+                && shape_holds(&found.blob, self.expected.aspect, self.shape)
+            {
                 if best.is_full() && best.last().is_some_and(|worst| worst.score < found.score) {
                     best.pop();
                 }

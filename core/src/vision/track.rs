@@ -66,6 +66,8 @@ pub(super) struct BallTrack {
     placed: Option<ImagePoint>,
     missed: u16,
     round: u8,
+    /// Since when its finds have been doubtful.
+    doubtful_since: Option<u64>,
 }
 
 impl BallTrack {
@@ -79,6 +81,7 @@ impl BallTrack {
             placed: None,
             missed: 0,
             round: 0,
+            doubtful_since: None,
         })
     }
 
@@ -137,6 +140,12 @@ impl BallTrack {
     pub(super) fn looks_round(&mut self, round: bool) -> bool {
         self.round = if round { self.round.saturating_add(1) } else { 0 };
         self.round > ROUND_FRAMES
+    }
+
+    /// For how long its finds have been doubtful, this one included, microseconds.
+    pub(super) fn doubted_us(&mut self, doubtful: bool, t_us: u64) -> u64 {
+        self.doubtful_since = if doubtful { self.doubtful_since.or(Some(t_us)) } else { None };
+        self.doubtful_since.map_or(0, |since| t_us.saturating_sub(since))
     }
 
     pub(super) fn forget(&mut self) {

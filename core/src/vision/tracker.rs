@@ -54,6 +54,8 @@ pub struct StepReport {
     pub observations: Observations,
     /// Which search found each.
     pub modes: [Mode; BALLS],
+    /// How much each find looks like its ball, 0 to 1.
+    pub scores: [f32; BALLS],
     /// Pixels looked at, all balls together.
     pub tested: u32,
     /// d(measured, predicted) of section 3.5; `None` where fewer than two balls could be compared.
@@ -68,10 +70,27 @@ pub struct StepReport {
 #[derive(Clone, Copy, Debug)]
 struct Find {
     blob: Blob,
+    score: f32,
     mode: Mode,
     matcher: Matcher,
     whole: bool,
     centre: ImagePoint,
+}
+
+/// The thresholds of eq. 1 that are tried in turn while a window gives no ball worth the name.
+#[derive(Clone, Copy, Debug)]
+enum Attempt {
+    /// With the background of the previous frame.
+    AsBefore,
+    /// With the background around the place where the ball is expected now: it may have moved from
+    /// in front of one thing to in front of another.
+    BackgroundHere,
+    /// With a stricter alpha: something like the ball touches it.
+    Strict,
+}
+
+impl Attempt {
+    const ALL: [Self; 3] = [Self::AsBefore, Self::BackgroundHere, Self::Strict];
 }
 
 /// Tracks up to four balls in one camera's frames. No heap; well under 4 KiB.
@@ -138,7 +157,11 @@ impl CameraTracker {
         let mut scratch = Scratch::new();
         let predicted = self.predict(t_us, prediction);
         let mut finds = self.search_windows(frame, &predicted, &mut scratch, &mut report);
+        let doubtful = self.set_doubtful_aside(t_us, &mut finds);
         self.search_wider(frame, t_us, &mut finds, &mut scratch, &mut report);
+        for (find, doubtful) in finds.iter_mut().zip(doubtful) {
+            *find = find.or(doubtful);
+        }
         self.judge_whole(&mut finds);
         self.place_hidden(frame, &mut finds, &mut report.tested);
         self.validate(&finds, &predicted, &mut report);
@@ -170,7 +193,14 @@ impl CameraTracker {
             let (Some(track), Some(at)) = (track, predicted) else { continue };
             *window = self.window(frame, track, *at, self.config.search.window_diameters);
             if let Some(region) = *window {
-                *find = self.search_region(frame, track, region, Mode::Tracking, scratch, &mut report.tested);
+                *find = self.search_region(
+                    frame,
+                    track,
+                    (*at, region),
+                    Mode::Tracking,
+                    scratch,
+                    &mut report.tested,
+                );
             }
         }
         finds
@@ -191,7 +221,7 @@ impl CameraTracker {
         &self,
         frame: &FrameView<'_>,
         track: &BallTrack,
-        region: Region,
+        (at, region): (ImagePoint, Region),
         mode: Mode,
         scratch: &mut Scratch,
         tested: &mut u32,
@@ -204,18 +234,60 @@ impl CameraTracker {
             &c.search,
             &c.shape,
         );
-        for alpha in [c.colour.alpha_256, c.colour.strict_alpha_256] {
-            let matcher = track.appearance.matcher(alpha);
+        let mut best: Option<Find> = None;
+        for attempt in Attempt::ALL {
+            let Some(matcher) = self.matcher_for(attempt, frame, track, at, tested) else { continue };
             let search = Search { frame, matcher: &matcher, expected, search: &c.search, shape: &c.shape };
             let (found, unbounded) = search.in_window(region, scratch, tested);
-            if let Some(Candidate { blob, .. }) = found {
-                return Some(Find { blob, mode, matcher, whole: false, centre: blob.centre });
+            if let Some(Candidate { blob, score }) = found
+                && best.is_none_or(|b| score > b.score)
+            {
+                best = Some(Find { blob, score, mode, matcher, whole: false, centre: blob.centre });
             }
-            if !unbounded {
-                return None;
+            let good = best.is_some_and(|b| b.score >= c.shape.good_score);
+            if good || (best.is_none() && !unbounded) {
+                break;
             }
         }
-        None
+        best
+    }
+
+    fn matcher_for(
+        &self,
+        attempt: Attempt,
+        frame: &FrameView<'_>,
+        track: &BallTrack,
+        at: ImagePoint,
+        tested: &mut u32,
+    ) -> Option<Matcher> {
+        let c = &self.config.colour;
+        match attempt {
+            Attempt::AsBefore => Some(track.appearance.matcher(c.alpha_256)),
+            Attempt::BackgroundHere => {
+                let matcher = track.appearance.matcher(c.alpha_256);
+                let size = (track.clean.diameter, track.clean.height);
+                let ceiling = track.appearance.ceiling();
+                let background =
+                    background_around(frame, at, size, &matcher, ceiling, c.background_rank, tested)?;
+                track.appearance.matcher_against(background, c.alpha_256)
+            }
+            Attempt::Strict => Some(track.appearance.matcher(c.strict_alpha_256)),
+        }
+    }
+
+    /// Finds that have looked little like their balls for too long: the whole picture is searched for
+    /// better ones, and only where it holds none they are kept.
+    fn set_doubtful_aside(&mut self, t_us: u64, finds: &mut [Option<Find>; BALLS]) -> [Option<Find>; BALLS] {
+        let shape = &self.config.shape;
+        let mut aside = [None; BALLS];
+        for ((find, aside), track) in finds.iter_mut().zip(&mut aside).zip(&mut self.tracks) {
+            let (Some(found), Some(track)) = (&find, track) else { continue };
+            let doubtful = found.score < shape.doubtful_score && !found.blob.cut;
+            if track.doubted_us(doubtful, t_us) > shape.doubt_us {
+                *aside = find.take();
+            }
+        }
+        aside
     }
 
     /// The larger window, then the whole picture (or the part of it where the other balls say that a
@@ -244,8 +316,14 @@ impl CameraTracker {
                     continue;
                 }
                 if let Some(region) = self.window(frame, track, at, c.search.widened_diameters) {
-                    *slot =
-                        self.search_region(frame, track, region, Mode::Widened, scratch, &mut report.tested);
+                    *slot = self.search_region(
+                        frame,
+                        track,
+                        (at, region),
+                        Mode::Widened,
+                        scratch,
+                        &mut report.tested,
+                    );
                 }
             }
             if slot.is_some() {
@@ -277,8 +355,15 @@ impl CameraTracker {
         }
         let chosen = choose(&self.tracks, &candidates, &self.places(finds), c.rigid);
         for ((find, chosen), matcher) in finds.iter_mut().zip(chosen).zip(matchers) {
-            if let (None, Some(Candidate { blob, .. }), Some(matcher)) = (&find, chosen, matcher) {
-                *find = Some(Find { blob, mode: Mode::Global, matcher, whole: false, centre: blob.centre });
+            if let (None, Some(Candidate { blob, score }), Some(matcher)) = (&find, chosen, matcher) {
+                *find = Some(Find {
+                    blob,
+                    score,
+                    mode: Mode::Global,
+                    matcher,
+                    whole: false,
+                    centre: blob.centre,
+                });
             }
         }
     }
@@ -373,13 +458,18 @@ impl CameraTracker {
         for (find, track) in finds.iter().zip(&mut self.tracks) {
             let Some(track) = track else { continue };
             if let Some(find) = find
-                && find.whole
+                && find.score >= c.shape.doubtful_score
             {
+                let size = (track.clean.diameter, track.clean.height);
+                let ceiling = track.appearance.ceiling();
                 let rank = c.colour.background_rank;
+                let tested = &mut report.tested;
                 let background =
-                    background_around(frame, &find.blob, &find.matcher, rank, &mut report.tested);
-                track.appearance.follow(find.blob.colour, background);
-                track.clean = Clean::of(&find.blob);
+                    background_around(frame, find.centre, size, &find.matcher, ceiling, rank, tested);
+                track.appearance.follow(find.whole.then_some(find.blob.colour), background);
+                if find.whole {
+                    track.clean = Clean::of(&find.blob);
+                }
             }
             if report.validated {
                 track.appearance.confirm(&c.validation);
@@ -399,8 +489,9 @@ impl CameraTracker {
         let places = self.places(finds);
         let predict_us = self.config.occlusion.predict_us;
         let rigid = self.config.rigid;
-        let outputs = report.observations.iter_mut().zip(&mut report.modes);
-        for (k, (((observation, mode), track), find)) in outputs.zip(&mut self.tracks).zip(finds).enumerate()
+        let outputs = report.observations.iter_mut().zip(&mut report.modes).zip(&mut report.scores);
+        for (k, ((((observation, mode), score), track), find)) in
+            outputs.zip(&mut self.tracks).zip(finds).enumerate()
         {
             let Some(track) = track else { continue };
             if let Some(find) = find {
@@ -410,6 +501,7 @@ impl CameraTracker {
                     *own = None;
                 }
                 *mode = find.mode;
+                *score = find.score;
                 *observation = Observation {
                     state: if find.whole { ObservationState::Visible } else { ObservationState::Occluded },
                     centre: find.centre,
