@@ -7,3 +7,4 @@ pub mod output;
 pub mod pipeline;
 pub mod scene_file;
 pub mod settings;
+pub mod source;
