@@ -177,8 +177,10 @@ impl<'a> FrameView<'a> {
         }
         let rows = format.rows(usize::from(height));
         // A stride so large that the product overflows cannot have a buffer behind it.
-        let whole = stride.saturating_mul(rows);
-        let needed = whole.saturating_sub(stride - row);
+        let Some(whole) = stride.checked_mul(rows) else {
+            return Err(FrameError::WrongLength { needed: usize::MAX, given: data.len() });
+        };
+        let needed = whole - (stride - row);
         if data.len() < needed || data.len() > whole {
             return Err(FrameError::WrongLength { needed, given: data.len() });
         }
@@ -300,5 +302,19 @@ const fn clamp8(value: i32) -> u8 {
         255
     } else {
         value as u8
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stride_whose_rows_overflow_is_refused() {
+        let data = [0; 24];
+        for stride in [usize::MAX, usize::MAX / 2, usize::MAX / 8 + 1] {
+            let frame = FrameView::new(&data, 8, 16, stride, PixelFormat::Rgb888);
+            assert_eq!(frame.err(), Some(FrameError::WrongLength { needed: usize::MAX, given: 24 }));
+        }
     }
 }

@@ -1,0 +1,35 @@
+//! Layout, lints and documentation.
+
+use super::{Context, Outcome};
+use std::time::Duration;
+
+const LIMIT: Duration = Duration::from_secs(900);
+
+/// The packages outside the workspace: each has its own lock file and settings.
+const APART: [&str; 2] = ["fuzz/Cargo.toml", "tests/no-panic/Cargo.toml"];
+
+pub(super) fn fmt(context: &Context) -> Outcome {
+    let run = context.run(&mut context.cargo(["fmt", "--all", "--check"]), LIMIT);
+    if !run.ok {
+        return run.outcome();
+    }
+    for manifest in APART {
+        let run = context.run(&mut context.cargo(["fmt", "--check", "--manifest-path", manifest]), LIMIT);
+        if !run.ok {
+            return run.outcome();
+        }
+    }
+    Outcome::pass()
+}
+
+pub(super) fn clippy(context: &Context) -> Outcome {
+    let mut cargo =
+        context.cargo(["clippy", "--locked", "--workspace", "--all-targets", "--", "--deny", "warnings"]);
+    context.run(&mut cargo, LIMIT).outcome()
+}
+
+pub(super) fn doc(context: &Context) -> Outcome {
+    let mut cargo = context.cargo(["doc", "--locked", "--workspace", "--no-deps"]);
+    cargo.env("RUSTDOCFLAGS", "--deny warnings");
+    context.run(&mut cargo, LIMIT).outcome()
+}

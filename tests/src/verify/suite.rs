@@ -1,0 +1,38 @@
+//! The cargo tests, each counted.
+
+use super::{Context, Outcome, count};
+use std::fs;
+use std::time::Duration;
+
+/// From clean: it builds every dependency with optimisation.
+const LIMIT: Duration = Duration::from_secs(1500);
+
+pub(super) fn workspace(context: &Context) -> Outcome {
+    cargo_test(context, &["test", "--locked", "--workspace", "--no-fail-fast"])
+}
+
+/// The golden hashes again, as a release build computes them: debug and release agree when both
+/// agree with the file.
+pub(super) fn golden_release(context: &Context) -> Outcome {
+    let golden = ["test", "--locked", "--release", "--package", "tetrad-tests", "--test", "goldens"];
+    let outcome = cargo_test(context, &golden);
+    if outcome.passed == 0 && outcome.failed == 0 {
+        return Outcome::fail("no golden test ran: tests/tests/goldens.rs is empty");
+    }
+    outcome
+}
+
+fn cargo_test(context: &Context, arguments: &[&str]) -> Outcome {
+    let log = context.log_path(&context.check).with_extension("skipped");
+    // Left over from the last run; that it is not there is the usual case.
+    let _ = fs::remove_file(&log);
+    let mut cargo = context.cargo(arguments);
+    cargo.env(crate::SKIP_LOG, &log);
+    let run = context.run(&mut cargo, LIMIT);
+    let skipped = fs::read_to_string(&log).unwrap_or_default();
+    let mut outcome = count::of_cargo_test(&run.output, &skipped, run.ok);
+    if outcome.failed > 0 {
+        outcome.report = format!("{}\n{}", run.tail(), outcome.report);
+    }
+    outcome
+}
