@@ -14,4 +14,4 @@ pub mod motion;
 pub mod orientation;
 
 #[cfg(test)]
-mod synthetic;
+pub(crate) mod synthetic;

@@ -65,6 +65,12 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// alpha and Phi as one motion, R(t)_from_R(t+1).
+    #[must_use]
+    pub const fn increment(&self) -> Pose {
+        Pose { rotation: self.phi, translation: self.alpha }
+    }
+
     /// How the pose is known.
     #[must_use]
     pub const fn state(&self) -> PoseState {

@@ -1,1 +1,0 @@
-//! What crosses a cable: versioned packets and their incremental decoder.

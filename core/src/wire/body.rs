@@ -1,0 +1,84 @@
+//! A packet's body: version, kind, and the fields in postcard's encoding.
+
+use super::packet::{MotionPacket, ObservationPacket, Packet};
+use super::{DecodeError, EncodeError};
+use postcard::ser_flavors::{Flavor, Slice};
+use serde::de::DeserializeOwned;
+
+/// The version of every packet's layout. docs/wire.md says when it is raised.
+pub const VERSION: u8 = 1;
+
+/// The kinds' numbers; a number once used is never given to another kind.
+pub(super) const OBSERVATION: u8 = 1;
+pub(super) const MOTION: u8 = 2;
+
+const HEADER_LEN: usize = 2;
+
+/// The most bytes any body takes.
+pub const MAX_BODY_LEN: usize = HEADER_LEN
+    + if ObservationPacket::MAX_LEN > MotionPacket::MAX_LEN {
+        ObservationPacket::MAX_LEN
+    } else {
+        MotionPacket::MAX_LEN
+    };
+
+/// Writes a packet's body to the start of `out` and returns its length in bytes. For carriers that
+/// keep datagrams whole; over a stream use [`super::encode`].
+///
+/// # Errors
+/// [`EncodeError`].
+pub fn encode_body(packet: &Packet, out: &mut [u8]) -> Result<usize, EncodeError> {
+    // Slice writes through checked pointers; its indexing, which can panic, is not used here
+    write_body(packet, Slice::new(out)).map(|written| written.len())
+}
+
+/// Reads a packet from a whole body.
+///
+/// # Errors
+/// [`DecodeError`], but none of those about frames.
+pub fn decode_body(body: &[u8]) -> Result<Packet, DecodeError> {
+    let [version, kind, fields @ ..] = body else {
+        return Err(DecodeError::TooShort);
+    };
+    if *version != VERSION {
+        return Err(DecodeError::UnknownVersion(*version));
+    }
+    match *kind {
+        OBSERVATION => {
+            let packet: ObservationPacket = read_fields(fields)?;
+            packet.check().map_err(DecodeError::Value)?;
+            Ok(packet.into())
+        }
+        MOTION => {
+            let packet: MotionPacket = read_fields(fields)?;
+            packet.check().map_err(DecodeError::Value)?;
+            Ok(packet.into())
+        }
+        unknown => Err(DecodeError::UnknownKind(unknown)),
+    }
+}
+
+/// Writes a checked packet's body to any sink.
+pub(super) fn write_body<F: Flavor>(packet: &Packet, sink: F) -> Result<F::Output, EncodeError> {
+    let written = match packet {
+        Packet::Observation(packet) => {
+            let packet = packet.tidied();
+            packet.check().map_err(EncodeError::Value)?;
+            postcard::serialize_with_flavor(&(VERSION, OBSERVATION, packet), sink)
+        }
+        Packet::Motion(packet) => {
+            packet.check().map_err(EncodeError::Value)?;
+            postcard::serialize_with_flavor(&(VERSION, MOTION, packet), sink)
+        }
+    };
+    // no packet holds anything that postcard cannot write, so only room can be wanting
+    written.map_err(|_| EncodeError::BufferTooSmall)
+}
+
+fn read_fields<P: DeserializeOwned>(fields: &[u8]) -> Result<P, DecodeError> {
+    match postcard::take_from_bytes(fields) {
+        Ok((packet, [])) => Ok(packet),
+        Ok(_) => Err(DecodeError::TrailingBytes),
+        Err(_) => Err(DecodeError::MalformedBody),
+    }
+}

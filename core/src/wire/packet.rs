@@ -1,0 +1,191 @@
+//! The packets: what one camera saw, and how the hand moved. Plain arrays, no matrix types, so that
+//! what is sent is what is written here, field by field in this order.
+
+use super::BadValue;
+use crate::geometry::{ImagePoint, Pose};
+use crate::hand::motion::PoseState;
+use crate::observation::{BALLS, ObservationState, Observations};
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// The most bytes postcard takes for an unsigned integer: seven bits a byte.
+const MAX_U16: usize = 3;
+const MAX_U32: usize = 5;
+const MAX_U64: usize = 10;
+/// A byte, a bool, or an enum of fewer than 128 variants.
+const BYTE: usize = 1;
+const F32: usize = 4;
+
+/// The largest element of R^T R - I that passes as a rotation. Rotations are kept to 1e-6 by
+/// [`crate::hand::orientation`]; this is for senders that do worse, and 1e-3 is 0.03 degrees.
+const MAX_SKEW: f32 = 1e-3;
+
+/// What one camera saw in one picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ObservationPacket {
+    /// The camera's place in the list of views.
+    pub camera: u8,
+    /// Chosen anew each time the sender starts, so that old packets are not taken for new ones.
+    pub session: u32,
+    /// Counts the camera's packets from 0, and wraps.
+    pub sequence: u32,
+    /// When the picture was taken, on the sender's clock, microseconds.
+    pub capture_us: u64,
+    /// The picture's width, px.
+    pub width: u16,
+    /// The picture's height, px.
+    pub height: u16,
+    /// Pixels looked at to find the balls.
+    pub pixels_tested: u32,
+    /// The four balls. The centre of a lost ball is sent as (0, 0).
+    pub balls: Observations,
+}
+
+impl ObservationPacket {
+    /// The most bytes the fields take.
+    pub const MAX_LEN: usize =
+        BYTE + 2 * MAX_U32 + MAX_U64 + 2 * MAX_U16 + MAX_U32 + BALLS * (BYTE + 3 * F32);
+
+    /// The same without what has no meaning: a lost ball has no place.
+    pub(super) fn tidied(mut self) -> Self {
+        for ball in self.balls.iter_mut().filter(|ball| ball.state == ObservationState::Lost) {
+            ball.centre = ImagePoint::default();
+        }
+        self
+    }
+
+    pub(super) fn check(&self) -> Result<(), BadValue> {
+        let finite = self.balls.iter().all(|ball| ball.centre.is_finite() && ball.diameter.is_finite());
+        if finite { Ok(()) } else { Err(BadValue::NotFinite) }
+    }
+}
+
+/// A rigid motion `a_from_b` as twelve numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Transform {
+    /// b's origin in a, metres.
+    pub translation: [f32; 3],
+    /// The rotation matrix row by row: r11, r12, r13, r21, ...
+    pub rotation: [f32; 9],
+}
+
+impl Transform {
+    const MAX_LEN: usize = 12 * F32;
+
+    /// No motion at all.
+    pub const IDENTITY: Self =
+        Self { translation: [0.0; 3], rotation: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0] };
+
+    fn check(&self) -> Result<(), BadValue> {
+        if !self.translation.iter().chain(&self.rotation).all(|x| x.is_finite()) {
+            return Err(BadValue::NotFinite);
+        }
+        let r = Pose::from(*self).rotation;
+        let skew = r.transpose() * r - Matrix3::identity();
+        // elements near 1 follow from the first, so the determinant is near +1 or -1
+        if skew.iter().all(|x| x.abs() <= MAX_SKEW) && r.determinant() > 0.0 {
+            Ok(())
+        } else {
+            Err(BadValue::NotARotation)
+        }
+    }
+}
+
+impl From<Pose> for Transform {
+    fn from(pose: Pose) -> Self {
+        let (t, r) = (pose.translation, pose.rotation);
+        Self {
+            translation: [t.x, t.y, t.z],
+            rotation: [r.m11, r.m12, r.m13, r.m21, r.m22, r.m23, r.m31, r.m32, r.m33],
+        }
+    }
+}
+
+impl From<Transform> for Pose {
+    fn from(transform: Transform) -> Self {
+        let [x, y, z] = transform.translation;
+        let [m11, m12, m13, m21, m22, m23, m31, m32, m33] = transform.rotation;
+        Self {
+            rotation: Matrix3::new(m11, m12, m13, m21, m22, m23, m31, m32, m33),
+            translation: Vector3::new(x, y, z),
+        }
+    }
+}
+
+/// How the hand moved. One is sent for every frame, also for one that was refused (`state` is then
+/// `Held` or `Lost` and the increment the identity), so that silence means a broken link.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct MotionPacket {
+    /// Chosen anew each time the sender starts, so that old packets are not taken for new ones.
+    pub session: u32,
+    /// Counts the packets from 0, and wraps.
+    pub sequence: u32,
+    /// When the pictures were taken, on the sender's clock, microseconds.
+    pub capture_us: u64,
+    /// Whether the operator moves the arm.
+    pub engaged: bool,
+    /// Counts the latches of the hand, and wraps. Where it differs from the last packet's,
+    /// `since_engage` is told from a new latch, and so must the set-point be.
+    pub engagements: u32,
+    /// How the pose is known.
+    pub state: PoseState,
+    /// How many frames the increment spans.
+    pub spans: u32,
+    /// How many cameras there are.
+    pub views: u8,
+    /// In how many of them each ball was measured.
+    pub seen_in: [u8; BALLS],
+    /// The root mean square of measured minus projected, px.
+    pub residual_px: f32,
+    /// The paper's alpha and Phi: R(t)_from_R(t+1).
+    pub increment: Transform,
+    /// engage_from_now. It holds the whole motion, so that a lost packet loses none of it.
+    pub since_engage: Transform,
+}
+
+impl MotionPacket {
+    /// The most bytes the fields take.
+    pub const MAX_LEN: usize = 2 * MAX_U32
+        + MAX_U64
+        + BYTE
+        + MAX_U32
+        + BYTE
+        + MAX_U32
+        + BYTE
+        + BALLS * BYTE
+        + F32
+        + 2 * Transform::MAX_LEN;
+
+    pub(super) fn check(&self) -> Result<(), BadValue> {
+        if !self.residual_px.is_finite() {
+            return Err(BadValue::NotFinite);
+        }
+        self.increment.check()?;
+        self.since_engage.check()
+    }
+}
+
+/// Any packet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Packet {
+    /// What one camera saw.
+    Observation(ObservationPacket),
+    /// How the hand moved.
+    Motion(MotionPacket),
+}
+
+impl From<ObservationPacket> for Packet {
+    fn from(packet: ObservationPacket) -> Self {
+        Self::Observation(packet)
+    }
+}
+
+impl From<MotionPacket> for Packet {
+    fn from(packet: MotionPacket) -> Self {
+        Self::Motion(packet)
+    }
+}
