@@ -229,6 +229,24 @@ fn refusals_leave_the_reference() {
 }
 
 #[test]
+fn the_residual_is_over_all_balls() {
+    let cameras = two_cameras();
+    let mut tracker = tracker();
+    let reference = cameras.map(|camera| camera.centres(&start()));
+    tracker.update(&observe(&cameras, &start())).unwrap();
+    // one ball in one view off by 2 px: the views no longer agree on it, and only on it
+    let mut views = observe(&cameras, &start());
+    views[1][Ball::Blue.index()].centre.v += 2.0;
+    let motion = tracker.update(&views).unwrap();
+    let blue = Ball::Blue.index();
+    let points = [views[0][blue].centre, views[1][blue].centre];
+    let frame = AffineFrame::new(&reference, arms(), &HandConfig::default()).unwrap();
+    let of_blue_px = frame.locate(&points).unwrap().residual_px;
+    assert!(of_blue_px > 0.5, "{of_blue_px}");
+    assert!((motion.residual_px - of_blue_px / 2.0).abs() < 1e-3, "a quarter of the mean square is blue's");
+}
+
+#[test]
 fn engage_latches_the_pose() {
     let cameras = two_cameras();
     let mut tracker = tracker();
