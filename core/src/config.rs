@@ -25,8 +25,10 @@ pub struct ColourConfig {
     /// alpha of eq. 1 in 1/256: where between background and ball the threshold lies. The paper
     /// leaves it open (0 < alpha <= 1); half way makes the two sides of a blurred rim alike.
     pub alpha_256: u16,
-    /// alpha where the first finds no bounded ball because something like it touches it, in 1/256.
-    pub strict_alpha_256: u16,
+    /// How far under the typical pixel's M the threshold lies where eq. 1 finds no ball worth the
+    /// name, because something like the ball touches it (skin and a red ball): tried in turn, in
+    /// units of M. Measured on hand-held footage: a shaded ball spans 0.17, skin begins 0.2 below.
+    pub strict_margins: [f32; 4],
     /// Of 16 pixels around the ball, the rank (by M, 0 the least) that stands for the background.
     /// Above the middle, so that a finger or a face beside the ball moves the threshold.
     pub background_rank: usize,
@@ -71,6 +73,8 @@ pub struct ShapeConfig {
     pub size_range: f32,
     /// From this score on (0 to 1) a find in the window is taken at once.
     pub good_score: f32,
+    /// Under this score a find is not the whole ball, whatever its size.
+    pub whole_score: f32,
     /// Under this score a find is doubtful: believed in the window for [`ShapeConfig::doubt_us`], as
     /// a ball about to vanish behind something; not believed in a larger window.
     pub doubtful_score: f32,
@@ -138,7 +142,11 @@ pub struct TrackerConfig {
 impl Default for TrackerConfig {
     fn default() -> Self {
         Self {
-            colour: ColourConfig { alpha_256: 128, strict_alpha_256: 192, background_rank: 13 },
+            colour: ColourConfig {
+                alpha_256: 128,
+                strict_margins: [0.2, 0.15, 0.1, 0.07],
+                background_rank: 9,
+            },
             search: SearchConfig {
                 window_diameters: 3.0,
                 widened_diameters: 7.0,
@@ -154,9 +162,10 @@ impl Default for TrackerConfig {
                 digitisation: 1.0,
                 size_step: 1.7,
                 size_range: 2.5,
-                good_score: 0.3,
+                good_score: 0.65,
+                whole_score: 0.35,
                 doubtful_score: 0.15,
-                global_score: 0.5,
+                global_score: 0.4,
                 doubt_us: 120_000,
             },
             occlusion: OcclusionConfig {
@@ -215,8 +224,7 @@ impl TrackerConfig {
     /// # Errors
     /// The first [`ConfigError`] met.
     pub fn check(&self) -> Result<(), ConfigError> {
-        let alpha_ok = |a: u16| (1..=256).contains(&a);
-        if !alpha_ok(self.colour.alpha_256) || !alpha_ok(self.colour.strict_alpha_256) {
+        if !(1..=256).contains(&self.colour.alpha_256) {
             return Err(ConfigError::Alpha);
         }
         if self.colour.background_rank >= 16 {
@@ -234,6 +242,10 @@ impl TrackerConfig {
         }
         let (h, o, v) = (&self.shape, &self.occlusion, &self.validation);
         let tolerances = [
+            self.colour.strict_margins[0],
+            self.colour.strict_margins[1],
+            self.colour.strict_margins[2],
+            self.colour.strict_margins[3],
             h.min_diameter,
             h.fill_tolerance,
             h.aspect_tolerance,
@@ -241,6 +253,7 @@ impl TrackerConfig {
             h.size_step,
             h.size_range,
             h.good_score,
+            h.whole_score,
             h.doubtful_score,
             h.global_score,
             o.area_share,

@@ -4,7 +4,7 @@
 //! from the previous tracking iteration"), the reference colour only after several validated frames
 //! in a row (section 3.5), slowly, and never far from the colour that was taught.
 
-use super::colour::{ColourError, Matcher, Reference, matching};
+use super::colour::{ColourError, FRACTION, FULL_SCALE, Matcher, Reference, matching};
 use super::frame::{FrameView, Rgb};
 use crate::config::{MAX_DIAMETER, ValidationConfig};
 use crate::geometry::ImagePoint;
@@ -203,12 +203,24 @@ impl Appearance {
         Matcher::new(&Reference { background, ..self.current }, alpha_256).ok()
     }
 
-    /// The M above which a pixel is rather the ball than what surrounds it: three quarters of the
+    /// A threshold so far (in units of M) under the typical colour, whatever the background.
+    #[must_use]
+    pub fn matcher_within(&self, margin: f32) -> Matcher {
+        within(&self.current, margin)
+    }
+
+    /// The same with the colours that were taught.
+    #[must_use]
+    pub fn learnt_matcher_within(&self, margin: f32) -> Matcher {
+        within(&self.learnt.reference, margin)
+    }
+
+    /// The M above which a pixel is rather the ball than what surrounds it: nine tenths of the
     /// way from background to typical.
     #[must_use]
     pub fn ceiling(&self) -> i32 {
         let of_background = self.matching(self.current.background);
-        of_background + (self.matching(self.current.typical) - of_background) * 3 / 4
+        of_background + (self.matching(self.current.typical) - of_background) * 9 / 10
     }
 
     /// A frame in which every validation rule held: after enough of them in a row the reference
@@ -251,6 +263,13 @@ impl Appearance {
     pub const fn matching(&self, colour: Rgb) -> i32 {
         matching(self.current.primary, colour, self.current.reference)
     }
+}
+
+/// The typical colour is taken for the reference too: what the ball looked like a frame ago.
+fn within(reference: &Reference, margin: f32) -> Matcher {
+    let best = reference.primary.luminance(reference.typical) * FRACTION;
+    let threshold = best - (margin * FULL_SCALE as f32) as i32;
+    Matcher::with_threshold(reference.primary, reference.typical, threshold)
 }
 
 fn fine_of(colour: Rgb) -> [u16; 3] {

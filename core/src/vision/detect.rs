@@ -13,7 +13,15 @@ use super::frame::FrameView;
 use super::search::{Region, UniformSearch};
 use super::validation::shape_holds;
 use crate::config::{MAX_CANDIDATES, MAX_ROWS, SearchConfig, ShapeConfig};
-use core::f32::consts::FRAC_PI_4;
+
+/// Height / width relative to what is expected (or its inverse) at which a blob is no ball at all.
+const MAX_STRETCH: f32 = 1.8;
+
+/// Overlap of a blob with the disc in its box (see [`disc_overlap`]) at which it is no ball at all ...
+const LEAST_OVERLAP: f32 = 0.6;
+
+/// ... and from which on it could not be rounder. Digitised discs reach 0.88 to 0.98.
+const GOOD_OVERLAP: f32 = 0.86;
 
 /// Cells along either side of the region searched.
 const CELLS: i32 = 64;
@@ -110,6 +118,8 @@ fn spiral_side(diameter: f32, diameters: f32) -> f32 {
 pub struct Candidate {
     /// What was measured.
     pub blob: Blob,
+    /// What it was matched with.
+    pub matcher: Matcher,
     /// 1 for the expected size and shape in the expected colour, 0 for none of it.
     pub score: f32,
 }
@@ -131,8 +141,7 @@ pub struct Search<'a> {
 
 impl Search<'_> {
     /// The ball in a window: the first find that looks like it, else the largest that may be a part
-    /// of it, else nothing. The flag says whether something of its colour was left because it was
-    /// larger than a ball.
+    /// of it, else nothing. The flag says whether anything of its colour was left that is no ball.
     pub fn in_window(
         &self,
         region: Region,
@@ -140,7 +149,7 @@ impl Search<'_> {
         tested: &mut u32,
     ) -> (Option<Candidate>, bool) {
         let mut best: Option<Candidate> = None;
-        let unbounded = self.each_blob(region, u32::MAX, scratch, tested, |found| {
+        let left = self.each_blob(region, u32::MAX, scratch, tested, |found| {
             if best.is_none_or(|b| {
                 found.score > b.score || (b.score <= 0.0 && found.blob.matched > b.blob.matched)
             }) {
@@ -148,17 +157,17 @@ impl Search<'_> {
             }
             found.score >= self.shape.good_score
         });
-        (best, unbounded)
+        (best, left)
     }
 
-    /// The best finds in a region, best first: a global search takes none on trust.
+    /// Adds the best finds in a region to `best`, best first: a global search takes none on trust.
     pub fn candidates(
         &self,
         region: Region,
+        best: &mut heapless::Vec<Candidate, MAX_CANDIDATES>,
         scratch: &mut Scratch,
         tested: &mut u32,
-    ) -> heapless::Vec<Candidate, MAX_CANDIDATES> {
-        let mut best: heapless::Vec<Candidate, MAX_CANDIDATES> = heapless::Vec::new();
+    ) {
         let pixels = region.width() as f32 * region.height() as f32;
         let budget = tested.saturating_add((pixels * self.search.global_budget) as u32);
         self.each_blob(region, budget, scratch, tested, |found| {
@@ -174,11 +183,10 @@ impl Search<'_> {
             }
             false
         });
-        best
     }
 
     /// Runs the alternation and hands every bounded blob to `judge`, which ends it by answering
-    /// true. Says whether an unbounded one was met.
+    /// true. Says whether anything matched at all.
     fn each_blob(
         &self,
         region: Region,
@@ -187,7 +195,7 @@ impl Search<'_> {
         tested: &mut u32,
         mut judge: impl FnMut(Candidate) -> bool,
     ) -> bool {
-        let mut unbounded = false;
+        let mut left = false;
         let cells = Cells::over(region);
         scratch.explored = [0; CELLS as usize];
         let limits =
@@ -208,19 +216,23 @@ impl Search<'_> {
             cells.mark(&mut scratch.explored, x, y);
             match outcome {
                 Ok(()) => {
+                    left = true;
                     if let Some(blob) = row_edge_centre(self.frame, &scratch.edges)
                         && blob.matched >= self.expected.min_matched
                         && self.no_larger_than_expected(&blob)
-                        && judge(Candidate { blob, score: self.score(&blob) })
+                        && judge(Candidate {
+                            blob,
+                            matcher: *self.matcher,
+                            score: self.score(&blob, &scratch.edges),
+                        })
                     {
                         break;
                     }
                 }
-                Err(Abandoned::Unbounded) => unbounded = true,
-                Err(Abandoned::NoMatch | Abandoned::Inconsistent) => {}
+                Err(Abandoned::NoMatch | Abandoned::Inconsistent | Abandoned::Unbounded) => left = true,
             }
         }
-        unbounded
+        left
     }
 
     fn no_larger_than_expected(&self, blob: &Blob) -> bool {
@@ -229,25 +241,43 @@ impl Search<'_> {
         blob.diameter <= widest && blob.height <= widest * self.expected.aspect + slack
     }
 
-    /// How much a blob looks like the ball: size, height / width, how round, how solid, how much of
-    /// its colour. Each factor is 1 for a perfect ball and 0 where it cannot be one.
-    fn score(&self, blob: &Blob) -> f32 {
+    /// How much a blob looks like the ball: size, height / width, how well its rows fill the disc in
+    /// its box, how solid, how much of its colour. Each factor is 1 for a perfect ball and 0 where
+    /// it cannot be one.
+    fn score(&self, blob: &Blob, edges: &RowEdges) -> f32 {
         let e = &self.expected;
         let slack = self.shape.digitisation / blob.diameter.max(1.0);
         let (w, h) = (blob.diameter.max(1.0), blob.height.max(1.0));
         let size = ratio(libm::sqrtf(w * h / e.aspect), e.diameter);
         let of_size = 1.0 - (size - 1.0 - slack).max(0.0) / (e.size_range - 1.0).max(0.01);
         let aspect = ratio(h / w, e.aspect);
-        let of_aspect = 1.0 - (aspect - 1.0 - slack).max(0.0) / 0.8;
-        let fill = blob.area / (w * h);
-        let of_fill = 1.0 - (libm::fabsf(fill / FRAC_PI_4 - 1.0) - slack).max(0.0) / 0.35;
+        let of_aspect = 1.0 - (aspect - 1.0 - slack).max(0.0) / (MAX_STRETCH - 1.0);
+        let of_disc = (disc_overlap(edges) - LEAST_OVERLAP + slack * 0.5) / (GOOD_OVERLAP - LEAST_OVERLAP);
         let of_solid = blob.matched as f32 / blob.area.max(1.0);
         let excess =
             (self.matcher.matching(blob.colour) - self.matcher.threshold()) as f32 / FULL_SCALE as f32;
-        let of_colour = 0.5 + (excess * 4.0).min(0.5);
-        let factors = [of_size, of_aspect, of_fill, of_solid, of_colour];
+        let of_colour = 0.7 + (excess * 4.0).min(0.3);
+        let factors = [of_size, of_aspect, of_disc.min(1.0), of_solid, of_colour];
         factors.iter().map(|f| f.max(0.0)).product()
     }
+}
+
+/// Intersection over union of a blob's rows and the ellipse in its bounding box: 1 for a disc, 0.78
+/// for a square, less for a ball with a hand attached.
+fn disc_overlap(edges: &RowEdges) -> f32 {
+    let Some((min_x, max_x, first_row, last_row)) = edges.bounds() else { return 0.0 };
+    let (a, b) = ((max_x - min_x + 1) as f32 * 0.5, (last_row - first_row + 1) as f32 * 0.5);
+    let (u, v) = ((min_x + max_x) as f32 * 0.5, (first_row + last_row) as f32 * 0.5);
+    let (mut both, mut either) = (0.0f32, 0.0f32);
+    for (row, extent) in edges.rows() {
+        let y = (row as f32 - v) / b;
+        let half = a * libm::sqrtf((1.0 - y * y).max(0.0));
+        let (first, last) = (f32::from(extent.first) - 0.5, f32::from(extent.last) + 0.5);
+        let overlap = (last.min(u + half) - first.max(u - half)).max(0.0);
+        both += overlap;
+        either += (last - first) + 2.0 * half - overlap;
+    }
+    both / either.max(1.0)
 }
 
 /// a / b or b / a, whichever is at least 1.

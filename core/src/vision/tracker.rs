@@ -85,12 +85,20 @@ enum Attempt {
     /// With the background around the place where the ball is expected now: it may have moved from
     /// in front of one thing to in front of another.
     BackgroundHere,
-    /// With a stricter alpha: something like the ball touches it.
-    Strict,
+    /// Near the typical pixel, whatever the background, by the margin of that number: something
+    /// like the ball touches it.
+    Within(usize),
 }
 
 impl Attempt {
-    const ALL: [Self; 3] = [Self::AsBefore, Self::BackgroundHere, Self::Strict];
+    const ALL: [Self; 6] = [
+        Self::AsBefore,
+        Self::BackgroundHere,
+        Self::Within(0),
+        Self::Within(1),
+        Self::Within(2),
+        Self::Within(3),
+    ];
 }
 
 /// Tracks up to four balls in one camera's frames. No heap; well under 4 KiB.
@@ -158,9 +166,9 @@ impl CameraTracker {
         let predicted = self.predict(t_us, prediction);
         let mut finds = self.search_windows(frame, &predicted, &mut scratch, &mut report);
         let doubtful = self.set_doubtful_aside(t_us, &mut finds);
-        self.search_wider(frame, t_us, &mut finds, &mut scratch, &mut report);
+        self.search_wider(frame, t_us, &mut finds, &doubtful, &mut scratch, &mut report);
         for (find, doubtful) in finds.iter_mut().zip(doubtful) {
-            *find = find.or(doubtful);
+            *find = find.or(doubtful.map(|(find, _)| find));
         }
         self.judge_whole(&mut finds);
         self.place_hidden(frame, &mut finds, &mut report.tested);
@@ -238,14 +246,14 @@ impl CameraTracker {
         for attempt in Attempt::ALL {
             let Some(matcher) = self.matcher_for(attempt, frame, track, at, tested) else { continue };
             let search = Search { frame, matcher: &matcher, expected, search: &c.search, shape: &c.shape };
-            let (found, unbounded) = search.in_window(region, scratch, tested);
-            if let Some(Candidate { blob, score }) = found
+            let (found, left) = search.in_window(region, scratch, tested);
+            if let Some(Candidate { blob, score, .. }) = found
                 && best.is_none_or(|b| score > b.score)
             {
                 best = Some(Find { blob, score, mode, matcher, whole: false, centre: blob.centre });
             }
             let good = best.is_some_and(|b| b.score >= c.shape.good_score);
-            if good || (best.is_none() && !unbounded) {
+            if good || !left {
                 break;
             }
         }
@@ -271,20 +279,25 @@ impl CameraTracker {
                     background_around(frame, at, size, &matcher, ceiling, c.background_rank, tested)?;
                 track.appearance.matcher_against(background, c.alpha_256)
             }
-            Attempt::Strict => Some(track.appearance.matcher(c.strict_alpha_256)),
+            Attempt::Within(step) => c.strict_margins.get(step).map(|m| track.appearance.matcher_within(*m)),
         }
     }
 
-    /// Finds that have looked little like their balls for too long: the whole picture is searched for
-    /// better ones, and only where it holds none they are kept.
-    fn set_doubtful_aside(&mut self, t_us: u64, finds: &mut [Option<Find>; BALLS]) -> [Option<Find>; BALLS] {
+    /// Finds that look little like their balls: the larger window is searched for better ones, and
+    /// the whole picture too when that has lasted (the flag); where there is none they are kept.
+    fn set_doubtful_aside(
+        &mut self,
+        t_us: u64,
+        finds: &mut [Option<Find>; BALLS],
+    ) -> [Option<(Find, bool)>; BALLS] {
         let shape = &self.config.shape;
         let mut aside = [None; BALLS];
         for ((find, aside), track) in finds.iter_mut().zip(&mut aside).zip(&mut self.tracks) {
             let (Some(found), Some(track)) = (&find, track) else { continue };
             let doubtful = found.score < shape.doubtful_score && !found.blob.cut;
-            if track.doubted_us(doubtful, t_us) > shape.doubt_us {
-                *aside = find.take();
+            let lasting = track.doubted_us(doubtful, t_us) > shape.doubt_us;
+            if doubtful {
+                *aside = find.take().map(|find| (find, lasting));
             }
         }
         aside
@@ -297,13 +310,13 @@ impl CameraTracker {
         frame: &FrameView<'_>,
         t_us: u64,
         finds: &mut [Option<Find>; BALLS],
+        doubtful: &[Option<(Find, bool)>; BALLS],
         scratch: &mut Scratch,
         report: &mut StepReport,
     ) {
         let c = &self.config;
         let mut candidates: [heapless::Vec<Candidate, { crate::config::MAX_CANDIDATES }>; BALLS] =
             Default::default();
-        let mut matchers: [Option<Matcher>; BALLS] = [None; BALLS];
         for k in 0..BALLS {
             let now = self.places(finds);
             let (Some(Some(track)), Some(slot @ None)) = (self.tracks.get(k), finds.get_mut(k)) else {
@@ -316,17 +329,14 @@ impl CameraTracker {
                     continue;
                 }
                 if let Some(region) = self.window(frame, track, at, c.search.widened_diameters) {
-                    *slot = self.search_region(
-                        frame,
-                        track,
-                        (at, region),
-                        Mode::Widened,
-                        scratch,
-                        &mut report.tested,
-                    );
+                    let tested = &mut report.tested;
+                    *slot = self
+                        .search_region(frame, track, (at, region), Mode::Widened, scratch, tested)
+                        .filter(|find| find.score >= c.shape.doubtful_score);
                 }
             }
-            if slot.is_some() {
+            let kept_for_now = doubtful.get(k).is_some_and(|d| matches!(d, Some((_, false))));
+            if slot.is_some() || kept_for_now {
                 continue;
             }
             let confined = if c.rigid {
@@ -336,26 +346,21 @@ impl CameraTracker {
                 None
             };
             let region = confined.unwrap_or_else(|| Region::whole(frame.width(), frame.height()));
-            // Every other frame with the colours that were taught: the light may have changed back.
-            let matcher = if track.missed() % 2 == 1 {
-                track.appearance.learnt_matcher(c.colour.alpha_256)
-            } else {
-                track.appearance.matcher(c.colour.alpha_256)
-            };
             let aspect = track.appearance.learnt().aspect;
             let expected = Expectation::anywhere(&track.clean, aspect, &c.search, &c.shape);
-            let search = Search { frame, matcher: &matcher, expected, search: &c.search, shape: &c.shape };
-            if let (Some(list), Some(kept)) = (candidates.get_mut(k), matchers.get_mut(k)) {
-                *list = search.candidates(region, scratch, &mut report.tested);
-                *kept = Some(matcher);
+            let Some(list) = candidates.get_mut(k) else { continue };
+            for matcher in self.global_matchers(track) {
+                let search =
+                    Search { frame, matcher: &matcher, expected, search: &c.search, shape: &c.shape };
+                search.candidates(region, list, scratch, &mut report.tested);
             }
         }
         if candidates.iter().all(|list| list.is_empty()) {
             return;
         }
         let chosen = choose(&self.tracks, &candidates, &self.places(finds), c.rigid);
-        for ((find, chosen), matcher) in finds.iter_mut().zip(chosen).zip(matchers) {
-            if let (None, Some(Candidate { blob, score }), Some(matcher)) = (&find, chosen, matcher) {
+        for (find, chosen) in finds.iter_mut().zip(chosen) {
+            if let (None, Some(Candidate { blob, matcher, score })) = (&find, chosen) {
                 *find = Some(Find {
                     blob,
                     score,
@@ -365,6 +370,18 @@ impl CameraTracker {
                     centre: blob.centre,
                 });
             }
+        }
+    }
+
+    /// Eq. 1 as it is now and near the typical pixel; every other frame with the colours that were
+    /// taught, since the light may have changed back.
+    fn global_matchers(&self, track: &BallTrack) -> [Matcher; 2] {
+        let c = &self.config.colour;
+        let [_, margin, ..] = c.strict_margins;
+        if track.missed() % 2 == 1 {
+            [track.appearance.learnt_matcher(c.alpha_256), track.appearance.learnt_matcher_within(margin)]
+        } else {
+            [track.appearance.matcher(c.alpha_256), track.appearance.matcher_within(margin)]
         }
     }
 
@@ -398,6 +415,7 @@ impl CameraTracker {
                 let round = !find.blob.cut && shape_holds(&find.blob, aspect, &c.shape);
                 // A ball that stays round has come nearer or gone away; it is not hidden.
                 find.whole |= track.looks_round(round);
+                find.whole &= find.score >= c.shape.whole_score;
             }
         }
     }
@@ -466,7 +484,8 @@ impl CameraTracker {
                 let tested = &mut report.tested;
                 let background =
                     background_around(frame, find.centre, size, &find.matcher, ceiling, rank, tested);
-                track.appearance.follow(find.whole.then_some(find.blob.colour), background);
+                let typical = (find.score >= c.shape.whole_score).then_some(find.blob.colour);
+                track.appearance.follow(typical, background);
                 if find.whole {
                     track.clean = Clean::of(&find.blob);
                 }
@@ -495,7 +514,8 @@ impl CameraTracker {
         {
             let Some(track) = track else { continue };
             if let Some(find) = find {
-                track.measured(t_us, find.centre, find.mode != Mode::Global);
+                let moves = find.mode != Mode::Global && find.score >= self.config.shape.doubtful_score;
+                track.measured(t_us, find.centre, moves);
                 track.companions = places;
                 if let Some(own) = track.companions.get_mut(k) {
                     *own = None;
