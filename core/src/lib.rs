@@ -9,9 +9,16 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod config;
+// In the order of the path: a module uses only modules above it.
+
 pub mod geometry;
-pub mod hand;
+
 pub mod observation;
+
+pub mod config;
+
 pub mod vision;
+
+pub mod hand;
+
 pub mod wire;

@@ -1,7 +1,8 @@
 //! Promise: in core a module uses only modules before it on the path. No circles, no sideways reach.
 //!
-//! The order is that of the `mod` lines in `lib.rs`, `vision/mod.rs` and so on. A folder with a
-//! `mod.rs` is a group of stages and comes after them; a file and the modules below it are one stage.
+//! The order is that of the `mod` lines in `lib.rs`, `vision/mod.rs` and so on. Where the path has
+//! stages inside a module (vision, hand, arm), that module comes after them; any other module and what
+//! is below it are one stage.
 
 use std::collections::HashMap;
 use std::fs;
@@ -51,13 +52,12 @@ impl Crate {
         for child in declared_modules(&code) {
             let path = if module.is_empty() { child.clone() } else { format!("{module}::{child}") };
             let base = path.replace("::", "/");
-            let group = format!("{base}/mod.rs");
-            if read(&group).is_some() {
+            let folder = format!("{base}/mod.rs");
+            let file = if read(&folder).is_some() { folder } else { format!("{base}.rs") };
+            if PATH.iter().any(|stage| stage.starts_with(&format!("{path}::"))) {
                 self.groups.push(path.clone());
-                self.add(&path, &group, read);
-            } else {
-                self.add(&path, &format!("{base}.rs"), read);
             }
+            self.add(&path, &file, read);
         }
         self.code.insert(module.to_owned(), code);
         self.order.push(module.to_owned());

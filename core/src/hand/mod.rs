@@ -10,8 +10,10 @@
 //! place in it. Nothing here panics: what cannot be solved is refused by a value with a reason.
 
 pub mod affine;
-pub mod motion;
+
 pub mod orientation;
+
+pub mod motion;
 
 #[cfg(test)]
 pub(crate) mod synthetic;

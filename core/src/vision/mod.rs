@@ -14,11 +14,11 @@ pub mod centre;
 
 pub mod appearance;
 
-pub mod detect;
-
 pub mod occlusion;
 
 pub mod validation;
+
+pub mod detect;
 
 mod track;
 
