@@ -63,6 +63,8 @@ pub struct ShapeConfig {
     pub min_diameter: f32,
     /// How far area / (width x height) may be from pi/4, relative, for a ball seen whole.
     pub fill_tolerance: f32,
+    /// The least overlap of a ball seen whole with the disc in its box (see `Blob::roundness`).
+    pub min_roundness: f32,
     /// How far height / width may be from what was learnt, as a ratio above 1.
     pub aspect_tolerance: f32,
     /// Pixels by which digitisation may move either side on top of that.
@@ -80,6 +82,9 @@ pub struct ShapeConfig {
     pub doubtful_score: f32,
     /// The least score of a find of the global search.
     pub global_score: f32,
+    /// How much of the way to the present size the last clean size goes in a frame in which a ball
+    /// is found well (from `whole_score` on) but not whole: fingers over the rim, nearer or further.
+    pub size_follow: f32,
     /// How long doubtful finds are believed before the whole picture is searched for a better one,
     /// microseconds.
     pub doubt_us: u64,
@@ -158,6 +163,7 @@ impl Default for TrackerConfig {
                 min_area: 7,
                 min_diameter: 8.0,
                 fill_tolerance: 0.14,
+                min_roundness: 0.86,
                 aspect_tolerance: 1.22,
                 digitisation: 1.0,
                 size_step: 1.7,
@@ -165,8 +171,9 @@ impl Default for TrackerConfig {
                 good_score: 0.65,
                 whole_score: 0.35,
                 doubtful_score: 0.15,
-                global_score: 0.4,
-                doubt_us: 120_000,
+                global_score: 0.3,
+                size_follow: 0.25,
+                doubt_us: 40_000,
             },
             occlusion: OcclusionConfig {
                 area_share: 0.8,
@@ -248,6 +255,7 @@ impl TrackerConfig {
             self.colour.strict_margins[3],
             h.min_diameter,
             h.fill_tolerance,
+            h.min_roundness,
             h.aspect_tolerance,
             h.digitisation,
             h.size_step,
@@ -256,6 +264,7 @@ impl TrackerConfig {
             h.whole_score,
             h.doubtful_score,
             h.global_score,
+            h.size_follow,
             o.area_share,
             o.diameter_share,
             o.hidden_share,

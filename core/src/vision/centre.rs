@@ -25,6 +25,9 @@ pub struct Blob {
     pub area: f32,
     /// Matched pixels alone.
     pub matched: u32,
+    /// Intersection over union of its rows and the ellipse in its bounding box: 1 for a disc, 0.78
+    /// for a square, less for a ball with a hand attached.
+    pub roundness: f32,
     /// Mean colour of the matched pixels.
     pub colour: Rgb,
     /// First column, last column, first row, last row.
@@ -57,6 +60,17 @@ impl Clean {
     pub const fn of(blob: &Blob) -> Self {
         Self { diameter: blob.diameter, height: blob.height, area: blob.area }
     }
+
+    /// A share of the way to another size.
+    #[must_use]
+    pub fn towards(&self, to: &Self, share: f32) -> Self {
+        let step = |from: f32, to: f32| from + (to - from) * share;
+        Self {
+            diameter: step(self.diameter, to.diameter),
+            height: step(self.height, to.height),
+            area: step(self.area, to.area),
+        }
+    }
 }
 
 /// Eq. 2 over all rows. `None` when no row was matched.
@@ -85,6 +99,7 @@ pub fn row_edge_centre(frame: &FrameView<'_>, edges: &RowEdges) -> Option<Blob> 
         height: (last_row - first_row + 1) as f32,
         area: weight as f32,
         matched: edges.matched(),
+        roundness: roundness(edges, bounds),
         colour: edges.mean_colour(),
         bounds,
         cut: min_x <= 0
@@ -92,6 +107,21 @@ pub fn row_edge_centre(frame: &FrameView<'_>, edges: &RowEdges) -> Option<Blob> 
             || max_x >= i32::from(frame.width()) - 1
             || last_row >= i32::from(frame.height()) - 1,
     })
+}
+
+fn roundness(edges: &RowEdges, (min_x, max_x, first_row, last_row): (i32, i32, i32, i32)) -> f32 {
+    let (a, b) = ((max_x - min_x + 1) as f32 * 0.5, (last_row - first_row + 1) as f32 * 0.5);
+    let (u, v) = ((min_x + max_x) as f32 * 0.5, (first_row + last_row) as f32 * 0.5);
+    let (mut both, mut either) = (0.0f32, 0.0f32);
+    for (row, extent) in edges.rows() {
+        let y = (row as f32 - v) / b;
+        let half = a * libm::sqrtf((1.0 - y * y).max(0.0));
+        let (first, last) = (f32::from(extent.first) - 0.5, f32::from(extent.last) + 0.5);
+        let overlap = (last.min(u + half) - first.max(u - half)).max(0.0);
+        both += overlap;
+        either += (last - first) + 2.0 * half - overlap;
+    }
+    both / either.max(1.0)
 }
 
 #[cfg(test)]

@@ -11,17 +11,16 @@ use super::colour::{FULL_SCALE, Matcher};
 use super::edges::{Abandoned, RowEdges, SpiralLimits};
 use super::frame::FrameView;
 use super::search::{Region, UniformSearch};
-use super::validation::shape_holds;
 use crate::config::{MAX_CANDIDATES, MAX_ROWS, SearchConfig, ShapeConfig};
 
 /// Height / width relative to what is expected (or its inverse) at which a blob is no ball at all.
 const MAX_STRETCH: f32 = 1.8;
 
-/// Overlap of a blob with the disc in its box (see [`disc_overlap`]) at which it is no ball at all ...
-const LEAST_OVERLAP: f32 = 0.6;
+/// Roundness of a blob at which it is no ball at all ...
+const LEAST_ROUNDNESS: f32 = 0.65;
 
 /// ... and from which on it could not be rounder. Digitised discs reach 0.88 to 0.98.
-const GOOD_OVERLAP: f32 = 0.86;
+const GOOD_ROUNDNESS: f32 = 0.9;
 
 /// Cells along either side of the region searched.
 const CELLS: i32 = 64;
@@ -171,9 +170,7 @@ impl Search<'_> {
         let pixels = region.width() as f32 * region.height() as f32;
         let budget = tested.saturating_add((pixels * self.search.global_budget) as u32);
         self.each_blob(region, budget, scratch, tested, |found| {
-            if found.score >= self.shape.global_score
-                && shape_holds(&found.blob, self.expected.aspect, self.shape)
-            {
+            if found.score >= self.shape.global_score {
                 if best.is_full() && best.last().is_some_and(|worst| worst.score < found.score) {
                     best.pop();
                 }
@@ -220,11 +217,7 @@ impl Search<'_> {
                     if let Some(blob) = row_edge_centre(self.frame, &scratch.edges)
                         && blob.matched >= self.expected.min_matched
                         && self.no_larger_than_expected(&blob)
-                        && judge(Candidate {
-                            blob,
-                            matcher: *self.matcher,
-                            score: self.score(&blob, &scratch.edges),
-                        })
+                        && judge(Candidate { blob, matcher: *self.matcher, score: self.score(&blob) })
                     {
                         break;
                     }
@@ -244,15 +237,16 @@ impl Search<'_> {
     /// How much a blob looks like the ball: size, height / width, how well its rows fill the disc in
     /// its box, how solid, how much of its colour. Each factor is 1 for a perfect ball and 0 where
     /// it cannot be one.
-    fn score(&self, blob: &Blob, edges: &RowEdges) -> f32 {
+    fn score(&self, blob: &Blob) -> f32 {
         let e = &self.expected;
         let slack = self.shape.digitisation / blob.diameter.max(1.0);
         let (w, h) = (blob.diameter.max(1.0), blob.height.max(1.0));
         let size = ratio(libm::sqrtf(w * h / e.aspect), e.diameter);
-        let of_size = 1.0 - (size - 1.0 - slack).max(0.0) / (e.size_range - 1.0).max(0.01);
+        let off = (size - 1.0 - slack).max(0.0);
+        let of_size = 1.0 / (1.0 + off * off);
         let aspect = ratio(h / w, e.aspect);
         let of_aspect = 1.0 - (aspect - 1.0 - slack).max(0.0) / (MAX_STRETCH - 1.0);
-        let of_disc = (disc_overlap(edges) - LEAST_OVERLAP + slack * 0.5) / (GOOD_OVERLAP - LEAST_OVERLAP);
+        let of_disc = (blob.roundness - LEAST_ROUNDNESS + slack * 0.5) / (GOOD_ROUNDNESS - LEAST_ROUNDNESS);
         let of_solid = blob.matched as f32 / blob.area.max(1.0);
         let excess =
             (self.matcher.matching(blob.colour) - self.matcher.threshold()) as f32 / FULL_SCALE as f32;
@@ -260,24 +254,6 @@ impl Search<'_> {
         let factors = [of_size, of_aspect, of_disc.min(1.0), of_solid, of_colour];
         factors.iter().map(|f| f.max(0.0)).product()
     }
-}
-
-/// Intersection over union of a blob's rows and the ellipse in its bounding box: 1 for a disc, 0.78
-/// for a square, less for a ball with a hand attached.
-fn disc_overlap(edges: &RowEdges) -> f32 {
-    let Some((min_x, max_x, first_row, last_row)) = edges.bounds() else { return 0.0 };
-    let (a, b) = ((max_x - min_x + 1) as f32 * 0.5, (last_row - first_row + 1) as f32 * 0.5);
-    let (u, v) = ((min_x + max_x) as f32 * 0.5, (first_row + last_row) as f32 * 0.5);
-    let (mut both, mut either) = (0.0f32, 0.0f32);
-    for (row, extent) in edges.rows() {
-        let y = (row as f32 - v) / b;
-        let half = a * libm::sqrtf((1.0 - y * y).max(0.0));
-        let (first, last) = (f32::from(extent.first) - 0.5, f32::from(extent.last) + 0.5);
-        let overlap = (last.min(u + half) - first.max(u - half)).max(0.0);
-        both += overlap;
-        either += (last - first) + 2.0 * half - overlap;
-    }
-    both / either.max(1.0)
 }
 
 /// a / b or b / a, whichever is at least 1.

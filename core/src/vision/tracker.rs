@@ -74,6 +74,8 @@ struct Find {
     mode: Mode,
     matcher: Matcher,
     whole: bool,
+    /// Whether another ball hides a part of it.
+    behind: bool,
     centre: ImagePoint,
 }
 
@@ -250,7 +252,15 @@ impl CameraTracker {
             if let Some(Candidate { blob, score, .. }) = found
                 && best.is_none_or(|b| score > b.score)
             {
-                best = Some(Find { blob, score, mode, matcher, whole: false, centre: blob.centre });
+                best = Some(Find {
+                    blob,
+                    score,
+                    mode,
+                    matcher,
+                    whole: false,
+                    behind: false,
+                    centre: blob.centre,
+                });
             }
             let good = best.is_some_and(|b| b.score >= c.shape.good_score);
             if good || !left {
@@ -367,22 +377,24 @@ impl CameraTracker {
                     mode: Mode::Global,
                     matcher,
                     whole: false,
+                    behind: false,
                     centre: blob.centre,
                 });
             }
         }
     }
 
-    /// Eq. 1 as it is now and near the typical pixel; every other frame with the colours that were
-    /// taught, since the light may have changed back.
-    fn global_matchers(&self, track: &BallTrack) -> [Matcher; 2] {
-        let c = &self.config.colour;
-        let [_, margin, ..] = c.strict_margins;
-        if track.missed() % 2 == 1 {
-            [track.appearance.learnt_matcher(c.alpha_256), track.appearance.learnt_matcher_within(margin)]
-        } else {
-            [track.appearance.matcher(c.alpha_256), track.appearance.matcher_within(margin)]
-        }
+    /// Eq. 1 as it is now, then nearer and nearer to the typical pixel; every other frame with the
+    /// colours that were taught, since the light may have changed back.
+    fn global_matchers(&self, track: &BallTrack) -> impl Iterator<Item = Matcher> {
+        let c = self.config.colour;
+        let appearance = track.appearance;
+        let taught = track.missed() % 2 == 1;
+        let first =
+            if taught { appearance.learnt_matcher(c.alpha_256) } else { appearance.matcher(c.alpha_256) };
+        core::iter::once(first).chain(c.strict_margins.into_iter().map(move |margin| {
+            if taught { appearance.learnt_matcher_within(margin) } else { appearance.matcher_within(margin) }
+        }))
     }
 
     fn places(&self, finds: &[Option<Find>; BALLS]) -> Places {
@@ -446,6 +458,7 @@ impl CameraTracker {
             }
             if let Some(y) = front {
                 find.whole = false;
+                find.behind = true;
                 find.centre =
                     centre_behind(frame, &find.matcher, &find.blob, &x.clean, y.centre, &y.clean, tested);
             } else if find.blob.cut {
@@ -488,6 +501,8 @@ impl CameraTracker {
                 track.appearance.follow(typical, background);
                 if find.whole {
                     track.clean = Clean::of(&find.blob);
+                } else if find.score >= c.shape.whole_score && !find.blob.cut && !find.behind {
+                    track.clean = track.clean.towards(&Clean::of(&find.blob), c.shape.size_follow);
                 }
             }
             if report.validated {

@@ -19,7 +19,10 @@ pub fn shape_holds(blob: &Blob, aspect: f32, config: &ShapeConfig) -> bool {
     let fill = blob.area / (w * h) / FRAC_PI_4;
     let stretch = h / w / aspect.max(1e-3);
     let limit = config.aspect_tolerance + slack;
-    libm::fabsf(fill - 1.0) <= config.fill_tolerance + slack && stretch <= limit && stretch * limit >= 1.0
+    libm::fabsf(fill - 1.0) <= config.fill_tolerance + slack
+        && blob.roundness >= config.min_roundness - slack
+        && stretch <= limit
+        && stretch * limit >= 1.0
 }
 
 /// Whether a blob is the whole ball: round, not cut by the picture, and not suddenly smaller than
@@ -82,6 +85,7 @@ mod tests {
             height: h,
             area: w * h * fill,
             matched: (w * h * fill) as u32,
+            roundness: if libm::fabsf(fill - FRAC_PI_4) < 0.05 { 0.95 } else { 0.75 },
             colour: Rgb::default(),
             bounds: (40, 60, 40, 60),
             cut: false,
