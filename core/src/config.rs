@@ -121,7 +121,8 @@ pub struct ValidationConfig {
     /// Radius around the place that the other balls suggest in which a lost ball may come back,
     /// in largest distances between two balls.
     pub gate_spread: f32,
-    /// Growth of that radius for each second of absence, in the same unit.
+    /// Growth of that radius with the square of the seconds of absence, in the same unit: how far an
+    /// unseen turn of the hand may have carried it.
     pub gate_growth: f32,
 }
 
@@ -187,8 +188,8 @@ impl Default for TrackerConfig {
                 confirmations: 5,
                 follow_256: 16,
                 max_drift: 0.12,
-                gate_spread: 0.5,
-                gate_growth: 0.5,
+                gate_spread: 0.35,
+                gate_growth: 0.1,
             },
             rigid: true,
         }

@@ -66,8 +66,8 @@ pub(super) fn gate(
         return None;
     }
     let seconds = absent_us as f32 * 1e-6;
-    let radius =
-        spread(ball) * (config.gate_spread + config.gate_growth * seconds) + 1.5 * ball.clean.diameter;
+    let radius = spread(ball) * (config.gate_spread + config.gate_growth * seconds * seconds)
+        + 1.5 * ball.clean.diameter;
     Region::square(centre.u, centre.v, 2.0 * radius, width, height)
 }
 
