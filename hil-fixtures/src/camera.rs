@@ -56,6 +56,13 @@ impl Camera {
         )
     }
 
+    /// The unit vector, in camera axes, of all that appears at (`u`, `v`).
+    #[must_use]
+    pub fn ray_through(&self, u: f64, v: f64) -> Vector3<f64> {
+        let (cu, cv) = self.principal_px;
+        Vector3::new((u - cu) / self.focal_px, (v - cv) / self.focal_px, 1.0).normalize()
+    }
+
     /// Where a point of the world appears, in pixels, or `None` when it is not in front.
     #[must_use]
     pub fn project(&self, x_in_world: &Vector3<f64>) -> Option<(f64, f64)> {
@@ -74,6 +81,8 @@ mod tests {
         assert_eq!(camera.project(&Vector3::zeros()), Some((319.5, 239.5)));
         let (u, v) = camera.project(&Vector3::new(0.0, 0.1, 0.05)).expect("in front");
         assert!((u - 399.5).abs() < 1e-9 && (v - 199.5).abs() < 1e-9, "{u} {v}");
+        let ray = camera.ray_through(u, v);
+        assert!((camera.in_camera(&Vector3::new(0.0, 0.1, 0.05)).normalize() - ray).amax() < 1e-12);
         assert_eq!(camera.project(&Vector3::new(1.5, 0.0, 0.0)), None);
         assert!((camera.camera_from_world.determinant() - 1.0).abs() < 1e-12);
     }

@@ -9,7 +9,7 @@
 //! | what a camera sees | `camera`, `outline` | spheres, fingers -> outlines in the picture |
 //! | how bright it is | `light` | normal, light -> grey levels |
 //! | what is behind | `background` | seed -> picture, kept between frames |
-//! | the picture | `render`, `noise` | outlines over background, blur, noise -> RGB888 |
+//! | the picture | `render`, `paint`, `noise` | outlines over background, blur, noise -> RGB888 |
 //! | what is true | `truth` | the same outlines -> centre, diameter, visible share |
 //! | as a device sends it | `formats` | RGB888 -> every pixel format of `tetrad-core` |
 //! | what it was last time | `golden` | name, hash -> equal or not |
@@ -36,6 +36,7 @@ mod motion;
 mod noise;
 mod occluder;
 mod outline;
+mod paint;
 mod render;
 mod scene;
 mod scenes;
@@ -49,3 +50,8 @@ pub use motion::Motion;
 pub use occluder::{Anchor, Occluder};
 pub use scene::{Albedo, Distractor, Scene};
 pub use truth::{BallTruth, HandTruth};
+
+// The README's example is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -105,6 +105,9 @@ impl SphereOutline {
 pub(crate) struct CapsuleOutline {
     ends: [Point; 2],
     radii: [f64; 2],
+    /// From the first end to the second, and one over its squared length (0 for a disc).
+    along: Point,
+    per_length2: f64,
     /// The two straight sides, each from its upper to its lower point; none when one disc holds the
     /// other.
     sides: Option<[(Point, Point); 2]>,
@@ -130,7 +133,8 @@ impl CapsuleOutline {
                 if p.1 <= q.1 { (p, q) } else { (q, p) }
             })
         });
-        Self { ends, radii, sides }
+        let per_length2 = if length > 0.0 { 1.0 / (length * length) } else { 0.0 };
+        Self { ends, radii, along: (dx, dy), per_length2, sides }
     }
 
     fn bounds(&self) -> [f64; 4] {
@@ -163,12 +167,10 @@ impl CapsuleOutline {
 
     /// The square of how far from the axis a point is: 0 on it and 1 at the rim and beyond.
     pub(crate) fn off_axis_squared(&self, x: f64, y: f64) -> f64 {
-        let [a, b] = self.ends;
-        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-        let length2 = dx * dx + dy * dy;
-        let along =
-            if length2 > 0.0 { (((x - a.0) * dx + (y - a.1) * dy) / length2).clamp(0.0, 1.0) } else { 0.0 };
-        let (ex, ey) = (x - a.0 - along * dx, y - a.1 - along * dy);
+        let (a, d) = (self.ends[0], self.along);
+        let (ex, ey) = (x - a.0, y - a.1);
+        let along = ((ex * d.0 + ey * d.1) * self.per_length2).clamp(0.0, 1.0);
+        let (ex, ey) = (ex - along * d.0, ey - along * d.1);
         let radius = self.radii[0] + along * (self.radii[1] - self.radii[0]);
         ((ex * ex + ey * ey) / (radius * radius)).min(1.0)
     }

@@ -1,12 +1,9 @@
 //! The picture: things over the background, averaged over the exposure, with the sensor's noise.
 
 use crate::background::fixed;
-use crate::camera::Camera;
-use crate::light::Lamp;
 use crate::noise::SensorNoise;
-use crate::outline::{LINES_PER_ROW, Outline};
-use crate::scene::{Scene, Surface, Thing};
-use nalgebra::Vector3;
+use crate::paint::Painter;
+use crate::scene::{Scene, Thing};
 
 /// Moments at which a moving scene is drawn within one exposure, at least.
 const MOMENTS: usize = 8;
@@ -19,9 +16,6 @@ const STILL_PX: f64 = 1e-6;
 
 /// Parts of the light's level.
 const LEVEL_ONE: i32 = 1 << 12;
-
-/// How much darker a finger is at its rim than at its middle.
-const RIM_SHADE: f64 = 0.3;
 
 impl Scene {
     /// Renders a frame as packed rows of RGB888 into `out`, whose memory is used again. Depends on
@@ -83,27 +77,31 @@ impl Scene {
         backdrop: &[u16],
         level: f64,
     ) -> Patch {
-        let lamp = self.lamp(camera);
-        let stride = usize::from(self.width) * 3;
-        let behind: Vec<f64> = area
-            .rows()
-            .flat_map(|y| &backdrop[y * stride + 3 * area.left..y * stride + 3 * area.right])
-            .map(|&value| f64::from(value) / 256.0)
-            .collect();
-        let mut sum = vec![0.0; behind.len()];
-        let mut canvas = Vec::with_capacity(behind.len());
-        for things in moments {
-            canvas.clear();
-            canvas.extend_from_slice(&behind);
-            for thing in things {
-                paint(thing, &self.cameras[camera], &lamp, &area, &mut canvas);
-            }
-            for (total, value) in sum.iter_mut().zip(&canvas) {
-                *total += value;
-            }
-        }
+        let columns = area.left..area.right;
+        let mut painter = Painter::new(&self.cameras[camera], self.lamp(camera), columns.clone());
         let scale = level / moments.len() as f64;
-        Patch { area, values: sum.iter().map(|total| fixed(total * scale)).collect() }
+        let stride = 3 * usize::from(self.width);
+        let mut values = Vec::with_capacity(3 * columns.len() * area.rows().len());
+        let [mut behind, mut row, mut sum] = [const { Vec::new() }; 3];
+        // row by row, so that all moments of a row stay in the nearest cache
+        for y in area.rows() {
+            let here = y * stride + 3 * columns.start..y * stride + 3 * columns.end;
+            behind.clear();
+            behind.extend(backdrop[here].iter().map(|&value| f64::from(value) / 256.0));
+            sum.clear();
+            sum.resize(behind.len(), 0.0);
+            for things in moments {
+                row.clone_from(&behind);
+                for thing in things {
+                    painter.paint(thing, y, &mut row);
+                }
+                for (total, value) in sum.iter_mut().zip(&row) {
+                    *total += value;
+                }
+            }
+            values.extend(sum.iter().map(|total| fixed(total * scale)));
+        }
+        Patch { area, values }
     }
 }
 
@@ -186,140 +184,4 @@ fn boxes(moments: &[Vec<Thing>], width: usize, height: usize) -> Vec<Area> {
         found.push(area);
     }
     found
-}
-
-/// Paints a thing over a canvas of `area`, each pixel by the share that the outline covers of it.
-fn paint(thing: &Thing, camera: &Camera, lamp: &Lamp, area: &Area, canvas: &mut [f64]) {
-    let [.., top, bottom] = thing.outline.bounds();
-    let width = area.right - area.left;
-    // change of the covered share from each pixel to the next, summed over the row's lines
-    let mut change = vec![0.0; width + 2];
-    for y in area.rows() {
-        if (y as f64) + 0.5 <= top || (y as f64) - 0.5 >= bottom {
-            continue;
-        }
-        let lines = lines(y, top, bottom);
-        let Some((first, last)) = cover_row(&thing.outline, &lines, area, &mut change) else { continue };
-        let row = &mut canvas[3 * (y - area.top) * width..][..3 * width];
-        let mut covered = 0.0;
-        for x in first..=last {
-            covered += change[x];
-            let share = covered.clamp(0.0, 1.0);
-            if share < 1e-9 {
-                continue;
-            }
-            let colour = colour_at(&thing.surface, camera, lamp, (area.left + x) as f64, y as f64);
-            for (value, colour) in row[3 * x..3 * x + 3].iter_mut().zip(colour) {
-                *value += share * (colour - *value);
-            }
-        }
-        change[first..=last + 2].fill(0.0);
-    }
-}
-
-/// The height and weight of each line on which a row's cover is taken; the weights add up to the
-/// part of the row between `top` and `bottom`, the outline's highest and lowest points.
-fn lines(y: usize, top: f64, bottom: f64) -> [(f64, f64); LINES_PER_ROW] {
-    let (upper, lower) = (y as f64 - 0.5, y as f64 + 0.5);
-    let (from, to) = (upper.max(top), lower.min(bottom));
-    let (height, n) = ((to - from).max(0.0), LINES_PER_ROW as f64);
-    core::array::from_fn(|i| {
-        let share = (i as f64 + 0.5) / n;
-        // An outline widens as a square root from its highest point: lines at the squares of even
-        // steps make that a straight line, which the sum gets right.
-        match (top > upper, bottom < lower) {
-            (true, false) => (from + height * share * share, height * 2.0 * share / n),
-            (false, true) => (to - height * share * share, height * 2.0 * share / n),
-            _ => (from + height * share, height / n),
-        }
-    })
-}
-
-/// Adds up the exact cover of a row's lines as changes from pixel to pixel, and returns the first and
-/// the last pixel (from the left of `area`) that may be covered. Pixel x reaches from x - 1/2 to
-/// x + 1/2.
-fn cover_row(
-    outline: &Outline,
-    lines: &[(f64, f64); LINES_PER_ROW],
-    area: &Area,
-    change: &mut [f64],
-) -> Option<(usize, usize)> {
-    let width = area.right - area.left;
-    let mut touched: Option<(usize, usize)> = None;
-    for &(y, weight) in lines {
-        let Some((left, right)) = outline.interval(y) else { continue };
-        let from_area = |x: f64| (x + 0.5 - area.left as f64).clamp(0.0, width as f64);
-        let (left, right) = (from_area(left), from_area(right));
-        if left >= right {
-            continue;
-        }
-        for (edge, sign) in [(left, weight), (right, -weight)] {
-            let pixel = edge as usize;
-            let into = edge - pixel as f64;
-            change[pixel] += sign * (1.0 - into);
-            change[pixel + 1] += sign * into;
-        }
-        let (first, last) = (left as usize, (right as usize).min(width - 1));
-        touched = Some(touched.map_or((first, last), |(a, b)| (a.min(first), b.max(last))));
-    }
-    touched
-}
-
-/// A surface's grey levels at a pixel's centre; outside the outline, those at the nearest rim.
-fn colour_at(surface: &Surface, camera: &Camera, lamp: &Lamp, x: f64, y: f64) -> [f64; 3] {
-    match *surface {
-        Surface::Sphere { centre, radius, albedo } => {
-            let ray = Vector3::new(
-                (x - camera.principal_px.0) / camera.focal_px,
-                (y - camera.principal_px.1) / camera.focal_px,
-                1.0,
-            )
-            .normalize();
-            let along = ray.dot(&centre);
-            let inside = along * along - (centre.norm_squared() - radius * radius);
-            let hit = ray * (along - libm::sqrt(inside.max(0.0)));
-            lamp.reflected(albedo, &((hit - centre).normalize()), &-ray)
-        }
-        Surface::Round { outline, albedo } => {
-            let shade = 1.0 - RIM_SHADE * outline.off_axis_squared(x, y);
-            albedo.map(|a| a * shade)
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::outline::SphereOutline;
-
-    #[test]
-    fn every_pixel_has_its_exact_share_of_a_disc() {
-        let camera = Camera::looking_at(Vector3::x(), Vector3::zeros(), 800.0, 640, 480);
-        let area = Area { left: 300, right: 340, top: 220, bottom: 260 };
-        for (x, y, radius) in [(0.0, 0.0, 0.003), (0.0003, 0.0004, 0.0031), (-0.0007, 0.0002, 0.01)] {
-            let sphere =
-                SphereOutline::new(&camera, Vector3::new(x, y, 1.0), radius).expect("in front of the camera");
-            let [.., top, bottom] = sphere.bounds;
-            let outline = Outline::Sphere(sphere);
-            for row in area.rows() {
-                let mut change = vec![0.0; area.right - area.left + 2];
-                cover_row(&outline, &lines(row, top, bottom), &area, &mut change);
-                let mut covered = 0.0;
-                for column in area.left..area.right {
-                    covered += change[column - area.left];
-                    let expected = share_of_disc(&sphere, column as f64, row as f64);
-                    assert!((covered - expected).abs() < 0.002, "{column}, {row}: {covered}, {expected}");
-                }
-            }
-        }
-    }
-
-    /// By counting 200 x 200 points; so near the axis the outline is a circle to 1e-5 px.
-    fn share_of_disc(sphere: &SphereOutline, x: f64, y: f64) -> f64 {
-        let step = |i: i32| (f64::from(i) + 0.5) / 200.0 - 0.5;
-        let inside = |dx: f64, dy: f64| dx * dx + dy * dy < sphere.diameter * sphere.diameter / 4.0;
-        let (x, y) = (x - sphere.centre.0, y - sphere.centre.1);
-        let count = (0..40_000).filter(|&i| inside(x + step(i % 200), y + step(i / 200))).count();
-        count as f64 / 40_000.0
-    }
 }

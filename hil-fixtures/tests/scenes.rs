@@ -3,7 +3,7 @@
 use tetrad_core::observation::{BALLS, Ball};
 use tetrad_core::vision::colour::Primary;
 use tetrad_core::vision::frame::Rgb;
-use tetrad_fixtures::{BallTruth, Scene, golden};
+use tetrad_fixtures::{Background, BallTruth, Picture, Scene, golden};
 
 fn scene(name: &str) -> Scene {
     Scene::named(name).unwrap_or_else(|| panic!("{name}: no such scene"))
@@ -248,4 +248,29 @@ fn frames_are_the_golden_ones() {
     }
     let lines: Vec<String> = wrong.iter().map(ToString::to_string).collect();
     assert!(lines.is_empty(), "{}", lines.join("\n"));
+}
+
+#[test]
+fn rods_are_drawn_when_asked_for_and_hide_no_ball() {
+    let without = scene("still");
+    let mut with = without.clone();
+    with.rods = true;
+    let changed = |a: &[u8], b: &[u8]| a.iter().zip(b).filter(|(p, q)| p.abs_diff(**q) > 20).count();
+    for camera in 0..2 {
+        let pixels = changed(&rendered(&without, 0, camera), &rendered(&with, 0, camera)) / 3;
+        assert!(pixels > 100 && pixels < 1000, "{pixels}");
+        for (bare, held) in without.truth(0, camera).iter().zip(with.truth(0, camera)) {
+            assert_eq!(bare.outline_centre, held.outline_centre);
+            assert!(held.visible_fraction > 0.95, "{held:?}");
+        }
+    }
+}
+
+#[test]
+fn a_picture_given_is_the_background() {
+    let mut scene = scene("still");
+    let photograph = Picture::new(320, 240, [10, 200, 90].repeat(320 * 240)).expect("the right size");
+    scene.background = Background::Pictures(vec![photograph]);
+    scene.noise_sigma = 0.0;
+    assert_eq!(rendered(&scene, 0, 1)[..3], [10, 200, 90]);
 }
