@@ -283,6 +283,74 @@ impl TrackerConfig {
     }
 }
 
+/// Section 3.1: learning a colour from a point inside a ball, and proposing balls without one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct LearnConfig {
+    /// alpha of eq. 1 in 1/256, as the tracker will use it: the background pixel is chosen so that
+    /// eq. 1 with this alpha puts the threshold where it separates best.
+    pub alpha_256: u16,
+    /// The smallest ball that is learnt, pixels: below it a rim of 32 directions has no 32 pixels.
+    pub least_diameter: f32,
+    /// The largest ball that is learnt, pixels; at most [`MAX_DIAMETER`].
+    pub most_diameter: f32,
+    /// Below this diameter, pixels, the area of the rows sets the outline: the rim has fewer pixels
+    /// than directions there.
+    pub area_diameter: f32,
+    /// By how many levels (0 to 255) the weakest component a colour has must exceed the strongest
+    /// it has not. Twice the noise of compressed footage on a black curtain; a dull red ball there
+    /// has 20 to 45.
+    pub least_chroma: i32,
+    /// How much of the ball's saturation (chroma over brightness, which shading leaves alone) a pixel
+    /// inside the rim must have, 1/256. Half: skin beside a red ball has 0.4 of its saturation.
+    pub saturation_share_256: u16,
+    /// How far from the point a highlight may reach, pixels: a quarter of a ball of 64 pixels.
+    pub seed_reach: i32,
+    /// The contrast across the rim, in M, at which a direction counts half. It bounds what a few
+    /// directions with a white wall behind them can outvote.
+    pub half_contrast: f32,
+    /// The least contrast, in M, of a direction that supports the rim.
+    pub least_contrast: f32,
+    /// The least contrast over the whole rim, 0 to 1. Labelled balls of real footage: 0.32 to 0.87.
+    pub least_rim: f32,
+    /// Directions of 32 that must support a rim: half. Labelled balls of real footage: 20 to 32;
+    /// three of four points on a background stay below 18.
+    pub least_support: u16,
+    /// Share of the ball less share of the neighbourhood that the best threshold must keep apart.
+    /// Labelled balls of real footage: 0.63 to 1; three of four points on a background below 0.66.
+    pub least_separation: f32,
+    /// How much worse a passing pixel of the neighbourhood is than a missed one of the ball, tried in
+    /// this order until what eq. 1 matches is the ball that the outline shows.
+    pub ring_weights: [f32; 4],
+    /// How often the outline is sought again with the colours of the last one. Once lets a point in
+    /// a dark corner of the ball end with the same outline as one in its middle.
+    pub passes: u8,
+    /// At most about so many pixels of the rest of the picture are tried for the clash score.
+    pub clash_samples: u16,
+}
+
+impl Default for LearnConfig {
+    fn default() -> Self {
+        Self {
+            alpha_256: 128,
+            least_diameter: 4.0,
+            most_diameter: MAX_DIAMETER,
+            area_diameter: 10.0,
+            least_chroma: 12,
+            saturation_share_256: 128,
+            seed_reach: 16,
+            half_contrast: 0.1,
+            least_contrast: 0.025,
+            least_rim: 0.2,
+            least_support: 16,
+            least_separation: 0.55,
+            ring_weights: [1.0, 2.0, 3.0, 5.0],
+            passes: 1,
+            clash_samples: 4096,
+        }
+    }
+}
+
 /// The shortest arm the hand stages accept, metres: below it the balls themselves would touch.
 pub const MIN_ARM_M: f32 = 0.005;
 

@@ -12,6 +12,8 @@ pub mod edges;
 
 pub mod centre;
 
+pub mod learn;
+
 pub mod appearance;
 
 pub mod occlusion;
