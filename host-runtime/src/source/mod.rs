@@ -24,6 +24,8 @@ mod frame_number;
 pub mod picture;
 mod spec;
 mod timestamps;
+#[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+pub mod v4l2;
 pub mod y4m;
 
 #[cfg(test)]
@@ -171,7 +173,7 @@ pub fn open(spec: &str, options: &Options) -> Result<Box<dyn Source>, SourceErro
         ));
     }
     match Spec::parse(spec)? {
-        Spec::Camera(_) => Err(SourceError::argument(spec, "cameras are not built in this version")),
+        Spec::Camera(path) => open_camera(spec, &path, options),
         Spec::Folder(path) => Ok(Box::new(FolderSource::open(spec, &path, options.fps)?)),
         Spec::Y4m(path) => Ok(Box::new(Y4mSource::open(spec, &path, options.fps)?)),
         Spec::Simulated { name, format } => {
@@ -179,4 +181,25 @@ pub fn open(spec: &str, options: &Options) -> Result<Box<dyn Source>, SourceErro
             Err(SourceError::argument(spec, "simulated scenes are not built in this version"))
         }
     }
+}
+
+#[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn open_camera(
+    spec: &str,
+    path: &std::path::Path,
+    options: &Options,
+) -> Result<Box<dyn Source>, SourceError> {
+    Ok(Box::new(v4l2::CameraSource::open(spec, path, options)?))
+}
+
+#[cfg(not(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64"))))]
+fn open_camera(
+    spec: &str,
+    _path: &std::path::Path,
+    _options: &Options,
+) -> Result<Box<dyn Source>, SourceError> {
+    Err(SourceError::argument(
+        spec,
+        "cameras are read through Video4Linux, on Linux x86-64 and aarch64 only: record to a .y4m file and give that",
+    ))
 }
