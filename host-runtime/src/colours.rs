@@ -130,6 +130,12 @@ impl Colours {
         Ok(self)
     }
 
+    /// What a tracker takes.
+    #[must_use]
+    pub fn learnt_balls(&self) -> [Option<LearntBall>; BALLS] {
+        self.balls.map(|ball| ball.map(|ball| ball.learnt))
+    }
+
     /// The text of the file; [`Colours::parse`] gives the same value back.
     #[must_use]
     pub fn to_toml(&self) -> String {

@@ -12,16 +12,30 @@
 
 use std::time::{Duration, Instant};
 use tetrad_core::config::{HandConfig, TrackerConfig};
-use tetrad_core::geometry::Pose;
+use tetrad_core::geometry::{ImagePoint, Pose};
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::motion::{Motion, MotionRefusal, MotionTracker, PoseState};
-use tetrad_core::observation::{BALLS, Observations};
+use tetrad_core::observation::{BALLS, Ball, Observations};
 use tetrad_core::vision::appearance::LearntBall;
 use tetrad_core::vision::frame::FrameView;
 use tetrad_core::vision::tracker::{CameraTracker, StepReport, TrackerError};
 
-/// The balls of one camera as they were taught; `None` for one that is not tracked.
-pub type LearntBalls = [Option<LearntBall>; BALLS];
+/// What one camera starts with, ordered as [`Ball::ALL`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraStart {
+    /// The balls as they were taught; `None` for one that is not tracked.
+    pub balls: [Option<LearntBall>; BALLS],
+    /// Where they are in the first frame, pixels; `None` where that is to be searched for.
+    pub places: [Option<ImagePoint>; BALLS],
+}
+
+impl CameraStart {
+    /// Balls that are to be searched for.
+    #[must_use]
+    pub const fn anywhere(balls: [Option<LearntBall>; BALLS]) -> Self {
+        Self { balls, places: [None; BALLS] }
+    }
+}
 
 /// What one camera saw in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,22 +84,27 @@ struct Hand {
 }
 
 impl Pipeline {
-    /// A pipeline of as many cameras as `balls` has entries. With `arms` the hand is solved for; that
+    /// A pipeline of these cameras. With `arms` the hand is solved for; that
     /// takes two cameras or more and all four balls, and without them every frame is refused.
     ///
     /// # Errors
     /// The camera's place in the list and the [`TrackerError`] that names its setting or ball.
     pub fn new(
-        balls: &[LearntBalls],
+        starts: &[CameraStart],
         tracker: TrackerConfig,
         arms: Option<Arms>,
         hand: HandConfig,
     ) -> Result<Self, (usize, TrackerError)> {
-        let cameras = balls
-            .iter()
-            .enumerate()
-            .map(|(camera, balls)| CameraTracker::new(tracker, *balls).map_err(|error| (camera, error)))
-            .collect::<Result<_, _>>()?;
+        let mut cameras = Vec::new();
+        for (camera, CameraStart { balls, places }) in starts.iter().enumerate() {
+            let mut started = CameraTracker::new(tracker, *balls).map_err(|error| (camera, error))?;
+            for (ball, place) in Ball::ALL.into_iter().zip(places) {
+                if let Some(place) = place {
+                    started.place(ball, *place);
+                }
+            }
+            cameras.push(started);
+        }
         let hand = arms.map(|arms| Hand {
             tracker: MotionTracker::new(arms, hand),
             hold_frames: hand.max_predicted_frames,
@@ -94,13 +113,8 @@ impl Pipeline {
         Ok(Self { cameras, hand })
     }
 
-    /// The trackers, to place balls before the first frame.
-    pub fn cameras_mut(&mut self) -> &mut [CameraTracker] {
-        &mut self.cameras
-    }
-
     /// Takes one frame of each camera in their order, each with its time in microseconds of any clock
-    /// that goes forward. A camera without a frame in `frames` is left out of the step.
+    /// that goes forward. Cameras beyond the frames given are left out.
     pub fn step(&mut self, frames: &[(FrameView<'_>, u64)]) -> Step {
         let hand = &self.hand;
         let predictions = |view| hand.as_ref().map_or([None; BALLS], |hand| hand.tracker.predict(view));

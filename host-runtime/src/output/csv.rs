@@ -81,7 +81,8 @@ impl Row<'_> {
     /// A measured number with the digits it needs to read back the same; one that is not finite is
     /// not known and left empty.
     pub fn number(&mut self, value: f32) -> &mut Self {
-        if value.is_finite() { self.field(value) } else { self.empty() }
+        // -0 is written as 0
+        if value.is_finite() { self.field(value + 0.0) } else { self.empty() }
     }
 
     /// A time in seconds, to the microsecond.
@@ -97,13 +98,13 @@ mod tests {
     #[test]
     fn rows_are_on_disk_before_the_file_is_closed() {
         let dir = tempfile::tempdir().unwrap();
-        let mut csv = CsvFile::create(dir.path(), "a.csv", "frame,t,u,v").unwrap();
+        let mut csv = CsvFile::create(dir.path(), "a.csv", "frame,t,u,v,w").unwrap();
         csv.row(|row| {
-            row.field(3u64).time(0.1).number(1.0 / 3.0).number(f32::NAN);
+            row.field(3u64).time(0.1).number(-0.0).number(1.0 / 3.0).number(f32::NAN);
         })
         .unwrap();
         let text = std::fs::read_to_string(dir.path().join("a.csv")).unwrap();
-        assert_eq!(text, "frame,t,u,v\n3,0.100000,0.33333334,\n");
+        assert_eq!(text, "frame,t,u,v,w\n3,0.100000,0,0.33333334,\n");
     }
 
     #[test]

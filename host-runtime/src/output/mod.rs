@@ -6,11 +6,17 @@
 mod csv;
 mod hand;
 mod observations;
+mod picture;
 mod recorder;
+mod scan;
 mod summary;
+mod truth;
 
 pub use csv::{CsvFile, OutputError};
 pub use hand::{MotionCsv, PoseCsv};
 pub use observations::ObservationsCsv;
+pub use picture::Canvas;
 pub use recorder::{RecordedCamera, Recorder};
+pub use scan::ScanCsv;
 pub use summary::{CameraSummary, Spread, StateCounts, Summary};
+pub use truth::TruthCsv;

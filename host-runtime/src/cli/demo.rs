@@ -1,0 +1,318 @@
+//! `tetrad demo`: simulated cameras and hand, learnt and tracked as real ones are, and compared with
+//! the truth.
+
+use super::interrupt::Interrupt;
+use super::{make_dir, progress, say};
+use crate::balls::BallSet;
+use crate::comparison::{self, Comparison};
+use crate::exit::{Exit, Failure, OrExit as _};
+use crate::learning;
+use crate::output::{CameraSummary, Canvas, RecordedCamera, Recorder, Spread, TruthCsv};
+use crate::pipeline::{CameraStep, Pipeline, Step};
+use crate::source::View;
+use anyhow::Context as _;
+use clap::Args;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use tetrad_core::config::{HandConfig, LearnConfig, TrackerConfig};
+use tetrad_core::geometry::ImagePoint;
+use tetrad_core::hand::affine::Arms;
+use tetrad_core::observation::BALLS;
+use tetrad_core::vision::frame::{FrameView, PixelFormat};
+use tetrad_fixtures::Scene;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  Watch it work, in real time, until Ctrl-C:
+    tetrad demo
+  As fast as it goes over ten simulated seconds, for scripts:
+    tetrad demo --headless --seconds 10 --out demo-out
+
+DIR gets the files of `tetrad track`, the truth (truth.csv, truth_pose.csv) and seen.png: a frame from
+the middle of the run with search windows and centres drawn over it.";
+
+/// Simulated seconds of a headless run that does not say.
+const HEADLESS_SECONDS: f64 = 10.0;
+
+/// The longest run that can be asked for, simulated seconds: a day.
+const MAX_SECONDS: f64 = 86_400.0;
+
+/// The picture with what was seen drawn over it.
+const PICTURE: &str = "seen.png";
+
+/// When that picture is taken in a run without an end, simulated seconds.
+const PICTURE_AFTER_S: f64 = 3.0;
+
+/// The cameras' names, in the scene's order.
+const CAMERAS: [View; 2] = [View::Left, View::Right];
+
+/// The flags of `tetrad demo`.
+#[derive(Args, Clone, Debug)]
+pub(super) struct DemoArgs {
+    /// Simulated seconds [default: 10 with --headless, else until Ctrl-C]
+    #[arg(long, value_name = "N")]
+    seconds: Option<f64>,
+    /// As fast as it goes and without a live line, for scripts
+    #[arg(long)]
+    headless: bool,
+    /// Where results go; made if missing
+    #[arg(long, value_name = "DIR", default_value = "demo-out")]
+    out: PathBuf,
+    /// The simulated scene
+    #[arg(long, value_name = "NAME", default_value = "demo")]
+    scene: String,
+}
+
+/// Runs `tetrad demo`.
+pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
+    let scene = scene(&args.scene)?;
+    let frames = frames(args, scene.fps)?;
+    make_dir(&args.out)?;
+    let interrupt = Interrupt::listen()?;
+    let mut cameras = Cameras::new(&scene);
+    cameras.render(0);
+    let pipeline = learn(&scene, &cameras)?;
+    let mut demo = Demo::new(args, &scene, pipeline)?;
+    let outcome = demo.run(&mut cameras, frames, &interrupt);
+    let stopped_by = outcome.as_ref().err().map(|failure| format!("{:#}", failure.cause));
+    let Demo { recorder, comparison, .. } = demo;
+    let summary = recorder.finish(stopped_by).or_exit(Exit::Failed);
+    outcome?;
+    report(&comparison, &summary?.cameras, args);
+    Ok(())
+}
+
+fn scene(name: &str) -> Result<Scene, Failure> {
+    let scene = Scene::named(name).ok_or_else(|| {
+        let names: Vec<String> = Scene::names().into_iter().map(|(name, _)| name).collect();
+        Failure::bad_arguments(format!("there is no scene `{name}`"))
+            .help(format!("the scenes are {}", names.join(", ")))
+    })?;
+    if scene.cameras() < CAMERAS.len() {
+        return Err(Failure::bad_arguments(format!("the scene `{name}` has not two cameras")));
+    }
+    Ok(scene)
+}
+
+/// How many frames to run; `None` until Ctrl-C.
+fn frames(args: &DemoArgs, fps: f64) -> Result<Option<u64>, Failure> {
+    let seconds = args.seconds.or(args.headless.then_some(HEADLESS_SECONDS));
+    match seconds {
+        Some(s) if !(s > 0.0 && s <= MAX_SECONDS) => Err(Failure::bad_arguments(format!(
+            "--seconds {s}: a number above 0 and up to {MAX_SECONDS} is needed"
+        ))),
+        Some(s) => Ok(Some((s * fps).ceil() as u64)),
+        None => Ok(None),
+    }
+}
+
+/// The simulated cameras, with the pictures they gave last.
+struct Cameras<'a> {
+    scene: &'a Scene,
+    rgb: [Vec<u8>; CAMERAS.len()],
+}
+
+impl<'a> Cameras<'a> {
+    fn new(scene: &'a Scene) -> Self {
+        Self { scene, rgb: [Vec::new(), Vec::new()] }
+    }
+
+    /// Takes the pictures of a frame, both at once.
+    fn render(&mut self, frame: usize) {
+        let scene = self.scene;
+        std::thread::scope(|threads| {
+            for (camera, rgb) in self.rgb.iter_mut().enumerate() {
+                threads.spawn(move || scene.render_rgb(frame, camera, rgb));
+            }
+        });
+    }
+
+    fn views(&self) -> Result<Vec<FrameView<'_>>, Failure> {
+        let view = |rgb| FrameView::packed(rgb, self.scene.width, self.scene.height, PixelFormat::Rgb888);
+        self.rgb.iter().map(|rgb| view(rgb)).collect::<Result<_, _>>().or_exit(Exit::Failed)
+    }
+}
+
+/// Colours as an operator teaches them: pointing at every ball in the first pictures.
+fn learn(scene: &Scene, cameras: &Cameras<'_>) -> Result<Pipeline, Failure> {
+    let mut starts = Vec::new();
+    for (view, frame) in CAMERAS.iter().zip(cameras.views()?) {
+        let points = scene.truth(0, view.index()).map(|ball| {
+            let (u, v) = ball.outline_centre;
+            Some(ImagePoint::new(u.round() as f32, v.round() as f32))
+        });
+        let taught = learning::learn_at(&frame, &points, &LearnConfig::default())
+            .with_context(|| format!("nothing learnt from the first picture of the {} camera", view.name()))
+            .or_exit(Exit::Failed)?;
+        starts.push(learning::start_with(&taught));
+    }
+    let arms = Arms::equal(scene.arm_m as f32).or_exit(Exit::Failed)?;
+    Pipeline::new(&starts, TrackerConfig::default(), Some(arms), HandConfig::default())
+        .map_err(|(_, error)| Failure::new(Exit::Failed, error))
+}
+
+/// A run of the demo.
+struct Demo<'a> {
+    args: &'a DemoArgs,
+    scene: &'a Scene,
+    pipeline: Pipeline,
+    recorder: Recorder,
+    truth: TruthCsv,
+    comparison: Comparison,
+    /// The frame of which a picture is saved; `None` once it is.
+    picture_at: Option<u64>,
+}
+
+impl<'a> Demo<'a> {
+    fn new(args: &'a DemoArgs, scene: &'a Scene, pipeline: Pipeline) -> Result<Self, Failure> {
+        let cameras = CAMERAS.map(|view| RecordedCamera {
+            name: view.name(),
+            source: format!("sim:{}", scene.name),
+            size: (scene.width, scene.height),
+        });
+        Ok(Self {
+            args,
+            scene,
+            pipeline,
+            recorder: Recorder::create(&args.out, "paper", cameras.into(), BallSet::ALL)
+                .or_exit(Exit::Failed)?,
+            truth: TruthCsv::create(&args.out).or_exit(Exit::Failed)?,
+            comparison: Comparison::default(),
+            picture_at: None,
+        })
+    }
+
+    fn run(
+        &mut self,
+        cameras: &mut Cameras<'_>,
+        frames: Option<u64>,
+        interrupt: &Interrupt,
+    ) -> Result<(), Failure> {
+        self.picture_at = Some(frames.map_or((PICTURE_AFTER_S * self.scene.fps) as u64, |n| n / 2));
+        let bar = progress::frames(frames);
+        let mut clock = Clock::start(self.scene.fps, self.args.headless);
+        let mut frame = 0;
+        loop {
+            cameras.render(frame as usize);
+            let step = self.step(frame, &cameras.views()?)?;
+            bar.set_position(frame + 1);
+            if clock.a_second_went_by() {
+                bar.suspend(|| say(self.live_line(frame, &step)));
+            }
+            frame = clock.next(frame);
+            if frames.is_some_and(|n| frame >= n) || interrupt.asked() {
+                bar.finish_and_clear();
+                return Ok(());
+            }
+        }
+    }
+
+    fn step(&mut self, frame: u64, views: &[FrameView<'_>]) -> Result<Step, Failure> {
+        let index = frame as usize;
+        let t_s = self.scene.time_s(index);
+        let stamp = (frame, t_s);
+        let timed: Vec<_> = views.iter().map(|view| (*view, (t_s * 1e6).round() as u64)).collect();
+        let step = self.pipeline.step(&timed);
+        self.recorder.step(&[stamp; CAMERAS.len()], &step).or_exit(Exit::Failed)?;
+
+        let hand = self.scene.hand(index);
+        let balls = CAMERAS.map(|view| self.scene.truth(index, view.index()));
+        for (view, truths) in CAMERAS.iter().zip(&balls) {
+            self.truth.balls(stamp, view.name(), truths).or_exit(Exit::Failed)?;
+        }
+        let first = self.scene.hand(0);
+        self.truth.pose(stamp, &comparison::relative(&first, &hand)).or_exit(Exit::Failed)?;
+        self.comparison.add(&step, &balls, hand);
+
+        if self.picture_at.take_if(|at| frame >= *at).is_some() {
+            let mut canvas = Canvas::side_by_side(views);
+            for (view, CameraStep { report, .. }) in CAMERAS.iter().zip(&step.cameras) {
+                canvas.draw(i32::from(self.scene.width) * view.index() as i32, report);
+            }
+            canvas.save(&self.args.out.join(PICTURE)).or_exit(Exit::Failed)?;
+        }
+        Ok(step)
+    }
+
+    fn live_line(&self, frame: u64, step: &Step) -> String {
+        let seen = step.cameras.iter().map(|camera| {
+            let measured = camera.report.observations.iter().filter(|seen| seen.state.is_measured()).count();
+            format!("{measured}/{BALLS}")
+        });
+        let seen = seen.collect::<Vec<_>>().join(" ");
+        let slowest = step.cameras.iter().map(|camera| camera.tracking).max().unwrap_or_default();
+        let pose = step.hand.and_then(|hand| hand.pose).map_or_else(
+            || "hand not seen".to_owned(),
+            |pose| {
+                let x = pose.translation * 1e3;
+                format!("x {:+6.1} y {:+6.1} z {:+6.1} mm", x.x, x.y, x.z)
+            },
+        );
+        let t_s = self.scene.time_s(frame as usize);
+        format!("{t_s:6.1} s  {pose}  balls seen {seen}  {} us", slowest.as_micros())
+    }
+}
+
+/// Frames in real time, or as fast as they come.
+struct Clock {
+    started: Instant,
+    fps: f64,
+    headless: bool,
+    /// Whole seconds that were told.
+    told: u64,
+}
+
+impl Clock {
+    fn start(fps: f64, headless: bool) -> Self {
+        Self { started: Instant::now(), fps, headless, told: 0 }
+    }
+
+    /// The frame after this one. In real time it waits for it; frames that were due already are left
+    /// out, as a camera does when nobody takes them.
+    fn next(&self, frame: u64) -> u64 {
+        if self.headless {
+            return frame + 1;
+        }
+        let elapsed = self.started.elapsed();
+        let next = (frame + 1).max((elapsed.as_secs_f64() * self.fps) as u64);
+        let due = Duration::from_secs_f64(next as f64 / self.fps);
+        std::thread::sleep(due.saturating_sub(elapsed));
+        next
+    }
+
+    /// Once a second of real time, when not headless.
+    fn a_second_went_by(&mut self) -> bool {
+        let seconds = self.started.elapsed().as_secs();
+        let went_by = !self.headless && seconds > self.told;
+        self.told = seconds;
+        went_by
+    }
+}
+
+fn report(comparison: &Comparison, cameras: &[(&'static str, CameraSummary)], args: &DemoArgs) {
+    let range = |spread: Option<Spread>, unit: &str| {
+        spread.map_or_else(
+            || "none".to_owned(),
+            |s| format!("mean {:.2} {unit}, max {:.2} {unit}", s.mean, s.max),
+        )
+    };
+    let (expected, missed) = comparison.expected_and_missed();
+    say(format_args!("frames          {} tracked of {}", comparison.tracked(), comparison.frames()));
+    say(format_args!("balls           {} seen of {expected} in sight", expected - missed));
+    say(format_args!("centre error    {}", range(comparison.centre_px(), "px")));
+    say(format_args!(
+        "pose error      {}; {}",
+        range(comparison.position_mm(), "mm"),
+        range(comparison.angle_deg(), "deg")
+    ));
+    say(format_args!("error a step    {}", range(comparison.step_mm(), "mm")));
+    for (name, camera) in cameras {
+        if let (Some(tested), Some(time)) = (camera.pixels_tested(), camera.tracking_us()) {
+            say(format_args!(
+                "{name:<15} {:.0} pixels tested a frame; {:.0} us a frame (p99 {:.0})",
+                tested.mean, time.p50, time.p99
+            ));
+        }
+    }
+    say(format_args!("results         {}", args.out.display()));
+}

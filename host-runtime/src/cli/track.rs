@@ -1,0 +1,156 @@
+//! `tetrad track`: footage or live cameras in, CSV files out.
+
+use super::interrupt::Interrupt;
+use super::{make_dir, note, progress, say};
+use crate::exit::{Exit, Failure, OrExit as _};
+use crate::learning;
+use crate::output::{RecordedCamera, Recorder, Summary};
+use crate::pipeline::{CameraStart, Pipeline};
+use crate::scene_file;
+use crate::settings::{CameraSettings, Start, TrackArgs, TrackSettings};
+use crate::source::{self, Frame, Options, View};
+use crate::streams::{End, Stream, Streams};
+use anyhow::Context as _;
+use std::ops::ControlFlow;
+use tetrad_core::config::{HandConfig, LearnConfig, TrackerConfig};
+use tetrad_core::hand::affine::Arms;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  Two cameras, colours taught with `tetrad learn`:
+    tetrad track --left /dev/video0 --right /dev/video2 --colours-left left.toml \\
+                 --colours-right right.toml --arm-mm 80 --out run1
+  Footage with the places of the balls in the first frame:
+    tetrad track --left clip/left --right clip/right --scene clip/scene.json --out run1
+  Two of the balls in one camera:
+    tetrad track --left toss.y4m --colours-left toss.toml --balls red,yellow --out run1
+
+DIR gets observations.csv, pose.csv, motion.csv and summary.json. Ctrl-C ends a live run.";
+
+/// Runs `tetrad track`.
+pub(super) fn run(args: TrackArgs) -> Result<(), Failure> {
+    let settings = TrackSettings::new(args)?;
+    let mut streams = open(&settings)?;
+    make_dir(&settings.out)?;
+    if !settings.has_pose() {
+        let reason = if settings.cameras.len() < 2 { "one camera" } else { "no rigid frame of four balls" };
+        note(format_args!("{reason}: pose.csv and motion.csv get no rows"));
+    }
+    let interrupt = Interrupt::listen()?;
+    let mut session = None;
+    let outcome = track(&settings, &mut streams, &mut session, &interrupt);
+    let Some(Session { recorder, .. }) = session else { return outcome.map(drop) };
+    let stopped_by = outcome.as_ref().err().map(|failure| format!("{:#}", failure.cause));
+    let written = recorder.finish(stopped_by).or_exit(Exit::Failed);
+    outcome?;
+    report(&written?, &settings);
+    Ok(())
+}
+
+/// What begins with the first frames.
+struct Session {
+    pipeline: Pipeline,
+    recorder: Recorder,
+}
+
+fn open(settings: &TrackSettings) -> Result<Streams, Failure> {
+    let mut opened = settings.cameras.iter().map(|camera| {
+        let view = if camera.name == "right" { View::Right } else { View::Left };
+        let options = Options { view, fps: settings.fps, ..Options::default() };
+        let mut source = source::open(&camera.source, &options)?;
+        source.take_notices().iter().for_each(note);
+        Ok::<_, Failure>(Stream { name: camera.name, source })
+    });
+    let left = opened.next().ok_or_else(|| Failure::bad_arguments("no camera is given"))??;
+    let right = opened.next().transpose()?;
+    Ok(Streams::new(left, right))
+}
+
+fn track(
+    settings: &TrackSettings,
+    streams: &mut Streams,
+    session: &mut Option<Session>,
+    interrupt: &Interrupt,
+) -> Result<End, Failure> {
+    let cameras: Vec<RecordedCamera> = streams
+        .iter()
+        .map(|stream| {
+            let info = stream.source.info();
+            RecordedCamera { name: stream.name, source: info.name.clone(), size: (info.width, info.height) }
+        })
+        .collect();
+    let bar = progress::frames(streams.frames());
+    let end = streams.run(|frames| {
+        let Session { pipeline, recorder } = match session {
+            Some(session) => session,
+            None => {
+                let pipeline = start(settings, frames)?;
+                let recorder = Recorder::create(&settings.out, "paper", cameras.clone(), settings.balls)
+                    .or_exit(Exit::Failed)?;
+                session.insert(Session { pipeline, recorder })
+            }
+        };
+        let views: Vec<_> = frames.iter().map(|frame| (frame.view, micros(frame.t_s))).collect();
+        let stamps: Vec<_> = frames.iter().map(|frame| (frame.number, frame.t_s)).collect();
+        recorder.step(&stamps, &pipeline.step(&views)).or_exit(Exit::Failed)?;
+        bar.inc(1);
+        Ok(if interrupt.asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    });
+    bar.finish_and_clear();
+    end
+}
+
+/// The pipeline as the first frames start it: with colours from files, or learnt at the seeds.
+fn start(settings: &TrackSettings, frames: &[Frame<'_>]) -> Result<Pipeline, Failure> {
+    let mut cameras: Vec<CameraStart> = Vec::new();
+    for (camera, frame) in settings.cameras.iter().zip(frames) {
+        cameras.push(learnt(camera, frame)?);
+    }
+    let config = TrackerConfig { rigid: settings.rigid, ..TrackerConfig::default() };
+    let arms = match settings.arm_m.filter(|_| settings.has_pose()) {
+        Some(length_m) => Some(Arms::equal(length_m).or_exit(Exit::BadArguments)?),
+        None => None,
+    };
+    Pipeline::new(&cameras, config, arms, HandConfig::default()).map_err(|(camera, error)| {
+        let name = settings.cameras.get(camera).map_or("", |camera| camera.name);
+        let cause = anyhow::Error::new(error).context(format!("the {name} camera cannot be tracked"));
+        Failure::new(Exit::BadArguments, cause)
+    })
+}
+
+fn learnt(camera: &CameraSettings, frame: &Frame<'_>) -> Result<CameraStart, Failure> {
+    match &camera.start {
+        Start::Colours(colours) => Ok(CameraStart::anywhere(colours.learnt_balls())),
+        Start::Seeds { seeds, file } => {
+            let size = (frame.view.width(), frame.view.height());
+            scene_file::check_seeds(seeds, camera.name, size, file).or_exit(Exit::BadArguments)?;
+            let taught = learning::learn_at(&frame.view, seeds, &LearnConfig::default())
+                .with_context(|| format!("{file}: seeds.{}: no ball can be learnt there", camera.name))
+                .or_exit(Exit::Failed)?;
+            Ok(learning::start_with(&taught))
+        }
+    }
+}
+
+/// Seconds to whole microseconds; a time before the clock's zero is zero.
+fn micros(t_s: f64) -> u64 {
+    (t_s * 1e6).round() as u64
+}
+
+fn report(summary: &Summary, settings: &TrackSettings) {
+    say(format_args!("{} frames tracked, results in {}", summary.frames, settings.out.display()));
+    for (name, camera) in &summary.cameras {
+        let seen: Vec<String> = camera
+            .states()
+            .iter()
+            .map(|(ball, counts)| format!("{ball} {}", counts.visible + counts.occluded))
+            .collect();
+        say(format_args!("  {name}: frames in which each ball was seen: {}", seen.join(", ")));
+        if let (Some(time), Some(tested)) = (camera.tracking_us(), camera.pixels_tested()) {
+            say(format_args!(
+                "  {name}: {:.0} us a frame (p99 {:.0}), {:.0} pixels tested",
+                time.p50, time.p99, tested.mean
+            ));
+        }
+    }
+}
