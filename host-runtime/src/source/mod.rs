@@ -22,6 +22,7 @@ mod error;
 pub mod folder;
 mod frame_number;
 pub mod picture;
+pub mod simulated;
 mod spec;
 mod timestamps;
 #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
@@ -33,6 +34,7 @@ mod tests;
 
 pub use error::SourceError;
 pub use folder::FolderSource;
+pub use simulated::SimulatedSource;
 pub use spec::Spec;
 pub use y4m::Y4mSource;
 
@@ -177,8 +179,7 @@ pub fn open(spec: &str, options: &Options) -> Result<Box<dyn Source>, SourceErro
         Spec::Folder(path) => Ok(Box::new(FolderSource::open(spec, &path, options.fps)?)),
         Spec::Y4m(path) => Ok(Box::new(Y4mSource::open(spec, &path, options.fps)?)),
         Spec::Simulated { name, format } => {
-            let _ = (name, format);
-            Err(SourceError::argument(spec, "simulated scenes are not built in this version"))
+            Ok(Box::new(SimulatedSource::open(spec, &name, options.view, format)?))
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod film;
 mod folder;
+mod scene;
 mod spec;
 
 use super::{Frame, Options, Source, SourceError, open};
