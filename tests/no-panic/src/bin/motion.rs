@@ -1,0 +1,27 @@
+//! The hand's motion and its prediction from any observations of any number of views.
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use tetrad_core::config::HandConfig;
+use tetrad_core::hand::affine::Arms;
+use tetrad_core::hand::motion::MotionTracker;
+use tetrad_core::observation::Observation;
+
+tetrad_no_panic::program!({
+    if let Ok(arms) = Arms::new(black_box([0.08, 0.08, 0.08])) {
+        let mut hand = MotionTracker::new(arms, black_box(HandConfig::default()));
+        let views: &[[Observation; 4]] = black_box(
+            &[[Observation {
+                state: tetrad_core::observation::ObservationState::Visible,
+                centre: tetrad_core::geometry::ImagePoint { u: 1.0, v: 2.0 },
+                diameter: 9.0,
+            }; 4]; 3],
+        );
+        let _ = black_box(hand.update(views));
+        hand.engage();
+        let _ = black_box(hand.update(black_box(views)));
+        black_box(hand.predict(black_box(1)));
+        hand.restart();
+    }
+});

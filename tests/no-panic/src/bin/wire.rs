@@ -1,0 +1,53 @@
+//! Writing any packet into any slice, and reading any bytes.
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use tetrad_core::hand::motion::PoseState;
+use tetrad_core::observation::Observation;
+use tetrad_core::wire::{
+    Decoder, Feed, MotionPacket, ObservationPacket, Packet, Transform, decode_body, encode, encode_body,
+};
+
+tetrad_no_panic::program!({
+    let observations = Packet::from(ObservationPacket {
+        camera: 1,
+        session: 2,
+        sequence: 3,
+        capture_us: 4,
+        width: 5,
+        height: 6,
+        pixels_tested: 7,
+        balls: [Observation::default(); 4],
+    });
+    let motion = Packet::from(MotionPacket {
+        session: 1,
+        sequence: 2,
+        capture_us: 3,
+        engaged: true,
+        engagements: 4,
+        state: PoseState::Held,
+        spans: 5,
+        views: 6,
+        seen_in: [7; 4],
+        residual_px: 8.0,
+        increment: Transform::IDENTITY,
+        since_engage: Transform::IDENTITY,
+    });
+    let mut buffer = black_box([0_u8; 300]);
+    for packet in black_box([observations, motion]) {
+        for length in black_box([0_usize, 9, 300]) {
+            if let Some(out) = buffer.get_mut(..length) {
+                let _ = black_box(encode_body(&packet, out));
+                let _ = black_box(encode(&packet, out));
+            }
+        }
+    }
+    let _ = black_box(decode_body(black_box(&buffer)));
+    let mut decoder = black_box(Decoder::<256>::new());
+    let mut rest: &[u8] = black_box(&buffer);
+    while let Feed::Frame { result, rest: left } = decoder.feed(rest) {
+        let _ = black_box(result);
+        rest = left;
+    }
+});

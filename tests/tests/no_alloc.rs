@@ -1,0 +1,161 @@
+//! Promise: no step of core allocates. Not learning, not tracking (found, lost and searched for in
+//! the whole picture), not the hand's motion, not packets. And what is kept between two frames is
+//! small.
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::hint::black_box;
+use tetrad_core::config::{HandConfig, LearnConfig};
+use tetrad_core::hand::affine::Arms;
+use tetrad_core::hand::motion::{MotionTracker, PoseState};
+use tetrad_core::observation::{BALLS, Ball, Observation};
+use tetrad_core::vision::colour::Primary;
+use tetrad_core::vision::learn::{HorizontalScan, learn};
+use tetrad_core::vision::tracker::CameraTracker;
+use tetrad_core::wire::{
+    Decoder, Feed, MAX_BODY_LEN, MAX_FRAME_LEN, MotionPacket, ObservationPacket, Packet, Transform,
+    decode_body, encode, encode_body,
+};
+
+thread_local! {
+    /// Allocations of this thread: tests run in threads, and each looks at its own.
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+/// The system's allocator, counting.
+struct Counting;
+
+// SAFETY: every call is passed on unchanged to the system's allocator, which keeps the contract; the
+// counter is a plain cell that needs no allocation of its own.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: as this function's own contract.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as this function's own contract.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: as this function's own contract.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// What `work` gives, and how often it allocated.
+fn counted<T>(work: impl FnOnce() -> T) -> (T, usize) {
+    let before = ALLOCATIONS.with(Cell::get);
+    let result = work();
+    (result, ALLOCATIONS.with(Cell::get) - before)
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(counted(|| drop(black_box(vec![1, 2, 3]))).1, 1);
+    assert_eq!(counted(|| black_box(1 + 1)).1, 0);
+}
+
+/// On a desktop; on a microcontroller words are half as long.
+#[test]
+fn the_tracker_of_one_camera_is_under_4_kib() {
+    let bytes = size_of::<CameraTracker>();
+    assert!(bytes < 4096, "{bytes} bytes");
+}
+
+#[test]
+fn learning_allocates_nothing() {
+    let scene = common::scene("still");
+    let mut rgb = Vec::new();
+    scene.render_rgb(0, 0, &mut rgb);
+    let view = common::view(&scene, &rgb);
+    for (ball, truth) in Ball::ALL.into_iter().zip(scene.truth(0, 0)) {
+        let at = common::centre(&truth);
+        let (learnt, allocations) = counted(|| learn(&view, Primary::of(ball), at, &LearnConfig::default()));
+        let learnt = learnt.unwrap_or_else(|refused| panic!("{}: {refused}", ball.name()));
+        assert_eq!(allocations, 0, "learning {}", ball.name());
+        let (scan, allocations) = counted(|| {
+            HorizontalScan::<128>::through(&view, &learnt.reference, 128, learnt.centre, learnt.diameter)
+        });
+        assert!(scan.is_ok());
+        assert_eq!(allocations, 0, "scanning {}", ball.name());
+    }
+}
+
+/// Every state is passed through: `cover-all` hides all balls, so that they are searched for wider
+/// and wider, lost, and found again.
+#[test]
+fn tracking_and_motion_allocate_nothing() {
+    let scene = common::scene("cover-all");
+    let mut rgb = Vec::new();
+    let mut trackers = [0, 1].map(|camera| {
+        scene.render_rgb(0, camera, &mut rgb);
+        common::taught(&common::view(&scene, &rgb), &scene.truth(0, camera))
+    });
+    let arms = Arms::equal(scene.arm_m as f32).expect("the arms of a scene");
+    let mut hand = MotionTracker::new(arms, HandConfig::default());
+    let (mut solved, mut refused) = (0, 0);
+    for frame in 0..scene.frames() {
+        let mut views = [[Observation::default(); BALLS]; 2];
+        for (camera, (tracker, seen)) in trackers.iter_mut().zip(&mut views).enumerate() {
+            scene.render_rgb(frame, camera, &mut rgb);
+            let (view, t_us) = (common::view(&scene, &rgb), common::time_us(&scene, frame));
+            let (report, allocations) = counted(|| tracker.step(&view, t_us, &hand.predict(camera)));
+            assert_eq!(allocations, 0, "tracking, camera {camera}, frame {frame}");
+            *seen = report.observations;
+        }
+        let (motion, allocations) = counted(|| hand.update(&views));
+        assert_eq!(allocations, 0, "motion, frame {frame}");
+        if motion.is_ok() { solved += 1 } else { refused += 1 }
+    }
+    assert!(solved > 20 && refused > 5, "{solved} frames solved, {refused} refused");
+}
+
+#[test]
+fn packets_allocate_nothing() {
+    let observations = Packet::from(ObservationPacket {
+        camera: 1,
+        session: 7,
+        sequence: u32::MAX,
+        capture_us: u64::MAX,
+        width: 640,
+        height: 480,
+        pixels_tested: 4000,
+        balls: [Observation::default(); BALLS],
+    });
+    let motion = Packet::from(MotionPacket {
+        session: 7,
+        sequence: 8,
+        capture_us: 9,
+        engaged: true,
+        engagements: 1,
+        state: PoseState::Measured,
+        spans: 1,
+        views: 2,
+        seen_in: [2; BALLS],
+        residual_px: 0.1,
+        increment: Transform::IDENTITY,
+        since_engage: Transform::IDENTITY,
+    });
+    for packet in [observations, motion] {
+        let ((), allocations) = counted(|| {
+            let mut body = [0; MAX_BODY_LEN];
+            let length = encode_body(&packet, &mut body).unwrap_or(0);
+            assert_eq!(body.get(..length).map(decode_body), Some(Ok(packet)));
+            let mut frame = [0; MAX_FRAME_LEN];
+            let length = encode(&packet, &mut frame).unwrap_or(0);
+            let mut decoder = Decoder::new();
+            let received = decoder.feed(&frame[..length]);
+            assert!(matches!(received, Feed::Frame { result: Ok(p), .. } if p == packet));
+        });
+        assert_eq!(allocations, 0);
+    }
+}
