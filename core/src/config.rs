@@ -18,6 +18,24 @@ pub const MAX_ROWS: usize = 384;
 /// Candidates a global search keeps of one ball.
 pub const MAX_CANDIDATES: usize = 4;
 
+/// Thresholds tried after that of eq. 1.
+pub const RETRIES: usize = 4;
+
+/// Thresholds that a global search tries on top of them.
+pub const GLOBAL_RETRIES: usize = 2;
+
+/// A threshold near the ball's last typical colour, whatever the background.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Retry {
+    /// How far under the V of that colour the threshold lies, in units of M. Measured on hand-held
+    /// footage: a shaded ball spans 0.17, skin begins 0.2 below a red ball.
+    pub margin: f32,
+    /// Whether the threshold is on M; else it is on V alone, which does not mind how bright the ball
+    /// is now.
+    pub by_distance: bool,
+}
+
 /// Section 2 and eq. 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -25,10 +43,12 @@ pub struct ColourConfig {
     /// alpha of eq. 1 in 1/256: where between background and ball the threshold lies. The paper
     /// leaves it open (0 < alpha <= 1); half way makes the two sides of a blurred rim alike.
     pub alpha_256: u16,
-    /// How far under the typical pixel's M the threshold lies where eq. 1 finds no ball worth the
-    /// name, because something like the ball touches it (skin and a red ball): tried in turn, in
-    /// units of M. Measured on hand-held footage: a shaded ball spans 0.17, skin begins 0.2 below.
-    pub strict_margins: [f32; 4],
+    /// What is tried in turn where eq. 1 finds no ball worth the name, because something like the
+    /// ball touches it (skin and a red ball) or the exposure has jumped.
+    pub retries: [Retry; RETRIES],
+    /// What a global search tries on top: by V alone, since a ball that comes back from somewhere
+    /// else may be lit otherwise.
+    pub global_retries: [Retry; GLOBAL_RETRIES],
     /// Of 16 pixels around the ball, the rank (by M, 0 the least) that stands for the background.
     /// Above the middle, so that a finger or a face beside the ball moves the threshold.
     pub background_rank: usize,
@@ -150,7 +170,16 @@ impl Default for TrackerConfig {
         Self {
             colour: ColourConfig {
                 alpha_256: 128,
-                strict_margins: [0.2, 0.15, 0.1, 0.07],
+                retries: [
+                    Retry { margin: 0.2, by_distance: true },
+                    Retry { margin: 0.15, by_distance: true },
+                    Retry { margin: 0.1, by_distance: true },
+                    Retry { margin: 0.07, by_distance: true },
+                ],
+                global_retries: [
+                    Retry { margin: 0.05, by_distance: false },
+                    Retry { margin: 0.03, by_distance: false },
+                ],
                 background_rank: 9,
             },
             search: SearchConfig {
@@ -250,10 +279,6 @@ impl TrackerConfig {
         }
         let (h, o, v) = (&self.shape, &self.occlusion, &self.validation);
         let tolerances = [
-            self.colour.strict_margins[0],
-            self.colour.strict_margins[1],
-            self.colour.strict_margins[2],
-            self.colour.strict_margins[3],
             h.min_diameter,
             h.fill_tolerance,
             h.min_roundness,
@@ -275,7 +300,8 @@ impl TrackerConfig {
             v.gate_spread,
             v.gate_growth,
         ];
-        if tolerances.iter().all(|t| t.is_finite() && *t >= 0.0) {
+        let retries = self.colour.retries.iter().chain(&self.colour.global_retries).map(|r| r.margin);
+        if tolerances.iter().copied().chain(retries).all(|t| t.is_finite() && t >= 0.0) {
             Ok(())
         } else {
             Err(ConfigError::Tolerance)

@@ -6,7 +6,7 @@
 
 use super::colour::{ColourError, FRACTION, FULL_SCALE, Matcher, Reference, matching};
 use super::frame::{FrameView, Rgb};
-use crate::config::{MAX_DIAMETER, ValidationConfig};
+use crate::config::{MAX_DIAMETER, Retry, ValidationConfig};
 use crate::geometry::ImagePoint;
 use core::fmt;
 use serde::{Deserialize, Serialize};
@@ -204,16 +204,16 @@ impl Appearance {
         Matcher::new(&Reference { background, ..self.current }, alpha_256).ok()
     }
 
-    /// A threshold so far (in units of M) under the typical colour, whatever the background.
+    /// A threshold near the typical colour, whatever the background.
     #[must_use]
-    pub fn matcher_within(&self, margin: f32) -> Matcher {
-        within(&self.current, margin)
+    pub fn matcher_near(&self, retry: Retry) -> Matcher {
+        near(&self.current, retry)
     }
 
     /// The same with the colours that were taught.
     #[must_use]
-    pub fn learnt_matcher_within(&self, margin: f32) -> Matcher {
-        within(&self.learnt.reference, margin)
+    pub fn learnt_matcher_near(&self, retry: Retry) -> Matcher {
+        near(&self.learnt.reference, retry)
     }
 
     /// The M above which a pixel is rather the ball than what surrounds it: nine tenths of the
@@ -267,10 +267,14 @@ impl Appearance {
 }
 
 /// The typical colour is taken for the reference too: what the ball looked like a frame ago.
-fn within(reference: &Reference, margin: f32) -> Matcher {
+fn near(reference: &Reference, retry: Retry) -> Matcher {
     let best = reference.primary.luminance(reference.typical) * FRACTION;
-    let threshold = best - (margin * FULL_SCALE as f32) as i32;
-    Matcher::with_threshold(reference.primary, reference.typical, threshold)
+    let threshold = best - (retry.margin * FULL_SCALE as f32) as i32;
+    if retry.by_distance {
+        Matcher::with_threshold(reference.primary, reference.typical, threshold)
+    } else {
+        Matcher::luminance_only(reference.primary, threshold)
+    }
 }
 
 fn fine_of(colour: Rgb) -> [u16; 3] {

@@ -136,6 +136,8 @@ pub struct Matcher {
     primary: Primary,
     reference: Rgb,
     threshold: i32,
+    /// 1 for M = V - D, 0 for V alone.
+    distance_weight: i32,
 }
 
 impl Matcher {
@@ -150,7 +152,7 @@ impl Matcher {
             return Err(ColourError::NoContrast);
         }
         let threshold = of_background + (of_typical - of_background) * alpha_256 as i32 / 256;
-        Ok(Self { primary: reference.primary, reference: reference.reference, threshold })
+        Ok(Self { primary: reference.primary, reference: reference.reference, threshold, distance_weight: 1 })
     }
 
     /// A matcher with a threshold given outright, in units of 1 / [`FULL_SCALE`]; values beyond the
@@ -164,7 +166,14 @@ impl Matcher {
         } else {
             threshold
         };
-        Self { primary, reference, threshold }
+        Self { primary, reference, threshold, distance_weight: 1 }
+    }
+
+    /// A matcher by V alone, with a threshold in units of 1 / [`FULL_SCALE`]: for when nothing is
+    /// known of the ball's colour but its primary.
+    #[must_use]
+    pub const fn luminance_only(primary: Primary, threshold: i32) -> Self {
+        Self { distance_weight: 0, ..Self::with_threshold(primary, Rgb::new(0, 0, 0), threshold) }
     }
 
     /// The right-hand side of eq. 1, in units of 1 / [`FULL_SCALE`].
@@ -191,13 +200,15 @@ impl Matcher {
     pub const fn accepts(&self, p: Rgb) -> bool {
         let excess = self.primary.luminance(p) * FRACTION - self.threshold;
         // excess <= 2 * 12,240 and 3 S <= 585,225: the squares stay below 6e8, inside an i32
-        excess >= 0 && excess * excess >= distance_squared(p, self.reference) * (FRACTION * FRACTION)
+        excess >= 0
+            && excess * excess
+                >= distance_squared(p, self.reference) * (FRACTION * FRACTION * self.distance_weight)
     }
 
     /// M(p) in units of 1 / [`FULL_SCALE`], with the square root: for scores and plots.
     #[must_use]
     pub const fn matching(&self, p: Rgb) -> i32 {
-        matching(self.primary, p, self.reference)
+        self.primary.luminance(p) * FRACTION - distance(p, self.reference) * self.distance_weight
     }
 }
 
@@ -276,6 +287,16 @@ mod tests {
                 let p = Rgb::new(i, 255 - i, i / 2);
                 assert_eq!(matcher.accepts(p), matcher.matching(p) >= t, "{p:?} {t}");
             }
+        }
+    }
+
+    #[test]
+    fn luminance_alone_ignores_the_distance() {
+        let matcher = Matcher::luminance_only(Primary::Green, 500 * FRACTION);
+        for i in 0..=255u8 {
+            let p = Rgb::new(i / 2, i, i / 3);
+            assert_eq!(matcher.accepts(p), Primary::Green.luminance(p) >= 500);
+            assert_eq!(matcher.accepts(p), matcher.matching(p) >= matcher.threshold());
         }
     }
 

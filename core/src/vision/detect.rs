@@ -7,11 +7,12 @@
 //! the number of spirals is bounded by the number of cells.
 
 use super::centre::{Blob, Clean, row_edge_centre};
-use super::colour::{FULL_SCALE, Matcher};
+use super::colour::{FULL_SCALE, Matcher, distance_squared};
 use super::edges::{Abandoned, RowEdges, SpiralLimits};
-use super::frame::FrameView;
+use super::frame::{FrameView, Rgb};
 use super::search::{Region, UniformSearch};
 use crate::config::{MAX_CANDIDATES, MAX_ROWS, SearchConfig, ShapeConfig};
+use crate::observation::BALLS;
 
 /// Height / width relative to what is expected (or its inverse) at which a blob is no ball at all.
 const MAX_STRETCH: f32 = 1.8;
@@ -124,7 +125,7 @@ pub struct Candidate {
 }
 
 /// What is common to the searches of one ball in one frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Search<'a> {
     /// The picture.
     pub frame: &'a FrameView<'a>,
@@ -132,6 +133,10 @@ pub struct Search<'a> {
     pub matcher: &'a Matcher,
     /// What it should look like.
     pub expected: Expectation,
+    /// The typical colour of this ball ...
+    pub own: Rgb,
+    /// ... and of the others: a blob nearer to one of those is that one.
+    pub rivals: heapless::Vec<Rgb, BALLS>,
     /// Section 3.2.
     pub search: &'a SearchConfig,
     /// Scores.
@@ -217,6 +222,7 @@ impl Search<'_> {
                     if let Some(blob) = row_edge_centre(self.frame, &scratch.edges)
                         && blob.matched >= self.expected.min_matched
                         && self.no_larger_than_expected(&blob)
+                        && !self.is_a_rival(blob.colour)
                         && judge(Candidate { blob, matcher: *self.matcher, score: self.score(&blob) })
                     {
                         break;
@@ -226,6 +232,12 @@ impl Search<'_> {
             }
         }
         left
+    }
+
+    /// Whether a colour is nearer (D of section 2) to another ball's than to this one's.
+    fn is_a_rival(&self, colour: Rgb) -> bool {
+        let own = distance_squared(colour, self.own);
+        self.rivals.iter().any(|rival| distance_squared(colour, *rival) < own)
     }
 
     fn no_larger_than_expected(&self, blob: &Blob) -> bool {

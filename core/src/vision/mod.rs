@@ -26,4 +26,6 @@ mod track;
 
 mod reacquire;
 
+mod locate;
+
 pub mod tracker;

@@ -6,7 +6,7 @@
 
 use super::detect::Candidate;
 use super::search::Region;
-use super::track::BallTrack;
+use super::track::{BallTrack, Tracks};
 use crate::config::{MAX_CANDIDATES, ValidationConfig};
 use crate::geometry::ImagePoint;
 use crate::observation::BALLS;
@@ -75,7 +75,7 @@ pub(super) fn gate(
 /// each pair by how well its distance agrees with the last known one (or, where none is known, by
 /// not being far apart). 5^4 combinations at the most.
 pub(super) fn choose(
-    tracks: &[Option<BallTrack>; BALLS],
+    tracks: &Tracks,
     candidates: &[heapless::Vec<Candidate, MAX_CANDIDATES>; BALLS],
     found: &Places,
     rigid: bool,
@@ -123,7 +123,7 @@ pub(super) fn choose(
     }
 }
 
-fn cost_of_pairs(tracks: &[Option<BallTrack>; BALLS], places: &Places) -> f32 {
+fn cost_of_pairs(tracks: &Tracks, places: &Places) -> f32 {
     let mut cost = 0.0;
     for (k, (a, ball)) in places.iter().zip(tracks).enumerate() {
         for (l, b) in places.iter().enumerate().skip(k + 1) {

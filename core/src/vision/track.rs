@@ -52,6 +52,9 @@ struct Fix {
     centre: ImagePoint,
 }
 
+/// The balls that are tracked, ordered as `Ball::ALL`.
+pub(super) type Tracks = [Option<BallTrack>; BALLS];
+
 /// One ball in one camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BallTrack {

@@ -1,0 +1,252 @@
+//! Where each ball is in one frame: figure 4's window, larger window and global search.
+//!
+//! Eq. 1 is tried first with the colours of the previous frame. Where that gives nothing that looks
+//! like the ball, other thresholds are tried and the find that looks most like it is taken: the
+//! background may have changed, or something of nearly its colour may touch it.
+
+use super::appearance::background_around;
+use super::centre::Blob;
+use super::colour::Matcher;
+use super::detect::{Candidate, Expectation, Scratch, Search};
+use super::frame::{FrameView, Rgb};
+use super::occlusion::touch;
+use super::reacquire::{Places, choose, gate, suggested};
+use super::search::Region;
+use super::track::{BallTrack, Mode, Tracks};
+use crate::config::{MAX_CANDIDATES, Retry, TrackerConfig};
+use crate::geometry::ImagePoint;
+use crate::observation::BALLS;
+
+/// One ball found in the present frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Find {
+    pub(super) blob: Blob,
+    pub(super) score: f32,
+    pub(super) mode: Mode,
+    pub(super) matcher: Matcher,
+    /// Whether it is seen whole.
+    pub(super) whole: bool,
+    /// Whether another ball hides a part of it.
+    pub(super) behind: bool,
+    pub(super) centre: ImagePoint,
+}
+
+impl Find {
+    fn new(candidate: Candidate, mode: Mode) -> Self {
+        let Candidate { blob, matcher, score } = candidate;
+        Self { blob, score, mode, matcher, whole: false, behind: false, centre: blob.centre }
+    }
+}
+
+/// What is found of each ball.
+pub(super) type Finds = [Option<Find>; BALLS];
+
+/// Finds that look little like their balls, each with whether that has lasted.
+pub(super) type Doubtful = [Option<(Find, bool)>; BALLS];
+
+/// The places of what is found.
+pub(super) fn places(finds: &Finds) -> Places {
+    let mut places = [None; BALLS];
+    for (place, find) in places.iter_mut().zip(finds) {
+        *place = find.as_ref().map(|f| f.centre);
+    }
+    places
+}
+
+/// The thresholds of eq. 1 that are tried in turn while a window gives no ball worth the name.
+#[derive(Clone, Copy, Debug)]
+enum Attempt {
+    /// With the background of the previous frame.
+    AsBefore,
+    /// With the background around the place where the ball is expected now: it may have moved from
+    /// in front of one thing to in front of another.
+    BackgroundHere,
+    /// Near the typical colour, whatever the background.
+    Near(Retry),
+}
+
+/// The searches of one frame.
+pub(super) struct Locator<'a> {
+    pub(super) frame: &'a FrameView<'a>,
+    pub(super) t_us: u64,
+    pub(super) config: &'a TrackerConfig,
+    pub(super) tracks: &'a Tracks,
+    pub(super) scratch: &'a mut Scratch,
+    /// Pixels looked at.
+    pub(super) tested: &'a mut u32,
+}
+
+impl<'a> Locator<'a> {
+    /// The window around each prediction.
+    pub(super) fn in_windows(&mut self, predicted: &Places, windows: &mut [Option<Region>; BALLS]) -> Finds {
+        let mut finds = [None; BALLS];
+        let tracks = self.tracks;
+        let slots = finds.iter_mut().zip(windows).zip(tracks).zip(predicted).enumerate();
+        for (k, (((find, window), track), predicted)) in slots {
+            let (Some(track), Some(at)) = (track, predicted) else { continue };
+            *window = self.window(track, *at, self.config.search.window_diameters);
+            if let Some(region) = *window {
+                *find = self.search_region(k, track, (*at, region), Mode::Tracking);
+            }
+        }
+        finds
+    }
+
+    /// The larger window, then the whole picture (or the part of it where the other balls say that a
+    /// lost one must be), for every ball that is not found yet.
+    pub(super) fn wider(&mut self, finds: &mut Finds, doubtful: &Doubtful) {
+        let (c, tracks) = (self.config, self.tracks);
+        let mut candidates: [heapless::Vec<Candidate, MAX_CANDIDATES>; BALLS] = Default::default();
+        for (k, (track, list)) in tracks.iter().zip(&mut candidates).enumerate() {
+            let now = places(finds);
+            let (Some(track), Some(slot @ None)) = (track, finds.get_mut(k)) else { continue };
+            let suggestion = if c.rigid { suggested(track, &now).map(|(p, _)| p) } else { None };
+            if let Some(at) = suggestion.or_else(|| track.predict(self.t_us)) {
+                if self.is_behind_another(k, track, at, &now) {
+                    continue;
+                }
+                if let Some(region) = self.window(track, at, c.search.widened_diameters) {
+                    *slot = self
+                        .search_region(k, track, (at, region), Mode::Widened)
+                        .filter(|find| find.score >= c.shape.doubtful_score);
+                }
+            }
+            let kept_for_now = doubtful.get(k).is_some_and(|d| matches!(d, Some((_, false))));
+            if slot.is_none() && !kept_for_now {
+                self.search_globally(k, track, &now, list);
+            }
+        }
+        if candidates.iter().all(|list| list.is_empty()) {
+            return;
+        }
+        let chosen = choose(tracks, &candidates, &places(finds), c.rigid);
+        for (find, chosen) in finds.iter_mut().zip(chosen) {
+            *find = find.or(chosen.map(|candidate| Find::new(candidate, Mode::Global)));
+        }
+    }
+
+    fn window(&self, track: &BallTrack, at: ImagePoint, diameters: f32) -> Option<Region> {
+        let side = track.clean.diameter.max(track.clean.height) * diameters;
+        Region::square(at.u, at.v, side, self.frame.width(), self.frame.height())
+    }
+
+    fn search_region(
+        &mut self,
+        k: usize,
+        track: &BallTrack,
+        (at, region): (ImagePoint, Region),
+        mode: Mode,
+    ) -> Option<Find> {
+        let c = self.config;
+        let aspect = track.appearance.learnt().aspect;
+        let expected =
+            Expectation::nearby(&track.clean, aspect, c.occlusion.hidden_share, &c.search, &c.shape);
+        let mut best: Option<Find> = None;
+        let first = [Attempt::AsBefore, Attempt::BackgroundHere];
+        for attempt in first.into_iter().chain(c.colour.retries.map(Attempt::Near)) {
+            let Some(matcher) = self.matcher_for(attempt, track, at) else { continue };
+            let search = self.search(k, track, &matcher, expected);
+            let (found, left) = search.in_window(region, self.scratch, self.tested);
+            if let Some(candidate) = found
+                && best.is_none_or(|b| candidate.score > b.score)
+            {
+                best = Some(Find::new(candidate, mode));
+            }
+            let good = best.is_some_and(|b| b.score >= c.shape.good_score);
+            if good || !left {
+                break;
+            }
+        }
+        best
+    }
+
+    fn matcher_for(&mut self, attempt: Attempt, track: &BallTrack, at: ImagePoint) -> Option<Matcher> {
+        let c = &self.config.colour;
+        match attempt {
+            Attempt::AsBefore => Some(track.appearance.matcher(c.alpha_256)),
+            Attempt::BackgroundHere => {
+                let matcher = track.appearance.matcher(c.alpha_256);
+                let size = (track.clean.diameter, track.clean.height);
+                let ceiling = track.appearance.ceiling();
+                let rank = c.background_rank;
+                let background =
+                    background_around(self.frame, at, size, &matcher, ceiling, rank, self.tested)?;
+                track.appearance.matcher_against(background, c.alpha_256)
+            }
+            Attempt::Near(retry) => Some(track.appearance.matcher_near(retry)),
+        }
+    }
+
+    fn search_globally(
+        &mut self,
+        k: usize,
+        track: &BallTrack,
+        now: &Places,
+        list: &mut heapless::Vec<Candidate, MAX_CANDIDATES>,
+    ) {
+        let c = self.config;
+        let (width, height) = (self.frame.width(), self.frame.height());
+        let absent_us = track.absent_us(self.t_us).unwrap_or(0);
+        let confined = if c.rigid { gate(track, now, absent_us, width, height, &c.validation) } else { None };
+        let region = confined.unwrap_or_else(|| Region::whole(width, height));
+        let aspect = track.appearance.learnt().aspect;
+        let expected = Expectation::anywhere(&track.clean, aspect, &c.search, &c.shape);
+        for matcher in self.global_matchers(track) {
+            let search = self.search(k, track, &matcher, expected);
+            search.candidates(region, list, self.scratch, self.tested);
+        }
+    }
+
+    fn search<'b>(
+        &self,
+        k: usize,
+        track: &BallTrack,
+        matcher: &'b Matcher,
+        expected: Expectation,
+    ) -> Search<'b>
+    where
+        'a: 'b,
+    {
+        Search {
+            frame: self.frame,
+            matcher,
+            expected,
+            own: track.appearance.current().typical,
+            rivals: self.rivals(k),
+            search: &self.config.search,
+            shape: &self.config.shape,
+        }
+    }
+
+    /// The typical colours of the other balls: what looks more like one of them is not this one.
+    fn rivals(&self, k: usize) -> heapless::Vec<Rgb, BALLS> {
+        let others = self.tracks.iter().enumerate().filter(|(l, _)| *l != k);
+        others.filter_map(|(_, track)| track.as_ref().map(|t| t.appearance.current().typical)).collect()
+    }
+
+    /// Eq. 1 as it is now, then nearer and nearer to the typical pixel; every other frame with the
+    /// colours that were taught, since the light may have changed back.
+    fn global_matchers(&self, track: &BallTrack) -> impl Iterator<Item = Matcher> + use<> {
+        let c = self.config.colour;
+        let appearance = track.appearance;
+        let taught = track.missed() % 2 == 1;
+        let first =
+            if taught { appearance.learnt_matcher(c.alpha_256) } else { appearance.matcher(c.alpha_256) };
+        core::iter::once(first).chain(c.retries.into_iter().chain(c.global_retries).map(move |retry| {
+            if taught { appearance.learnt_matcher_near(retry) } else { appearance.matcher_near(retry) }
+        }))
+    }
+
+    /// Whether a ball expected `at` would stand behind another one that is seen: then its absence is
+    /// explained and nothing else of its colour is mistaken for it.
+    fn is_behind_another(&self, k: usize, track: &BallTrack, at: ImagePoint, now: &Places) -> bool {
+        let known = track.last_centre().is_some();
+        known
+            && now.iter().zip(self.tracks).enumerate().any(|(l, (place, other))| {
+                l != k
+                    && place.zip(other.as_ref()).is_some_and(|(place, other)| {
+                        touch(at, &track.clean, place, &other.clean, &self.config.occlusion)
+                    })
+            })
+    }
+}
