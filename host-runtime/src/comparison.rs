@@ -7,8 +7,24 @@ use tetrad_core::geometry::Pose;
 use tetrad_core::observation::{BALLS, ObservationState};
 use tetrad_fixtures::{BallTruth, HandTruth};
 
-/// From which share of a ball in sight on it ought to be seen.
-pub const OUGHT_TO_BE_SEEN: f64 = 0.7;
+/// From which share of a ball in sight on it ought to be found.
+pub const IN_SIGHT: f64 = 0.7;
+
+/// How near its true place a ball must be to count as found: so many pixels ...
+const FOUND_PX: f64 = 3.0;
+/// ... or this share of its diameter, whichever is more.
+const FOUND_DIAMETERS: f64 = 0.25;
+
+/// How many balls were found, over all frames and cameras.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BallCounts {
+    /// In sight by [`IN_SIGHT`].
+    pub in_sight: u64,
+    /// Of those, measured at their place: within 3 px or a quarter of the diameter.
+    pub found: u64,
+    /// Reported visible, and more than a diameter away from their place.
+    pub false_detections: u64,
+}
 
 /// Errors gathered frame by frame.
 #[derive(Clone, Debug, Default)]
@@ -19,8 +35,7 @@ pub struct Comparison {
     step_mm: Vec<f64>,
     frames: u64,
     tracked: u64,
-    expected: u64,
-    missed: u64,
+    balls: BallCounts,
     /// The hand in the first complete frame, which the pose is told from.
     first: Option<HandTruth>,
     /// The hand in the last complete frame, which the increment is told from.
@@ -33,13 +48,20 @@ impl Comparison {
         self.frames += 1;
         for (camera, truths) in step.cameras.iter().zip(balls) {
             for (seen, truth) in camera.report.observations.iter().zip(truths) {
-                if truth.visible_fraction >= OUGHT_TO_BE_SEEN {
-                    self.expected += 1;
-                    self.missed += u64::from(!seen.state.is_measured());
+                let (u, v) = truth.outline_centre;
+                let off_px = (f64::from(seen.centre.u) - u).hypot(f64::from(seen.centre.v) - v);
+                if truth.visible_fraction >= IN_SIGHT {
+                    let near = off_px <= FOUND_PX.max(FOUND_DIAMETERS * truth.diameter);
+                    self.balls.in_sight += 1;
+                    self.balls.found += u64::from(near && seen.state.is_measured());
                 }
                 if seen.state == ObservationState::Visible {
-                    let (u, v) = truth.outline_centre;
-                    self.centre_px.push((f64::from(seen.centre.u) - u).hypot(f64::from(seen.centre.v) - v));
+                    // a ball behind the camera has no place, and no distance to it
+                    if off_px <= truth.diameter {
+                        self.centre_px.push(off_px);
+                    } else {
+                        self.balls.false_detections += 1;
+                    }
                 }
             }
         }
@@ -68,13 +90,13 @@ impl Comparison {
         self.tracked
     }
 
-    /// Balls that ought to be seen (in sight by [`OUGHT_TO_BE_SEEN`]), and how many of them were not.
+    /// How many balls were found.
     #[must_use]
-    pub const fn expected_and_missed(&self) -> (u64, u64) {
-        (self.expected, self.missed)
+    pub const fn balls(&self) -> BallCounts {
+        self.balls
     }
 
-    /// From a visible ball's centre to that of its true outline, pixels.
+    /// From a visible ball's centre to that of its true outline, pixels; false detections left out.
     #[must_use]
     pub fn centre_px(&self) -> Option<Spread> {
         Spread::of(self.centre_px.iter().copied())
@@ -119,7 +141,12 @@ fn difference(measured: &Pose, base: &HandTruth, now: &HandTruth) -> (f64, f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::CameraStep;
     use nalgebra::Rotation3;
+    use std::time::Duration;
+    use tetrad_core::geometry::ImagePoint;
+    use tetrad_core::observation::Observation;
+    use tetrad_core::vision::tracker::StepReport;
 
     fn hand(x: f64, turn: f64) -> HandTruth {
         let axis = nalgebra::Unit::new_normalize(Vector3::new(1.0, 2.0, -0.5));
@@ -127,6 +154,48 @@ mod tests {
             rotation: *Rotation3::from_axis_angle(&axis, turn).matrix(),
             translation: Vector3::new(x, -x, 0.5 * x),
         }
+    }
+
+    /// A step of one camera that sees the red ball at (100, 100) and nothing else.
+    fn step_with_red(state: ObservationState) -> Step {
+        let mut report = StepReport::default();
+        report.observations[0] = Observation { state, centre: ImagePoint::new(100.0, 100.0), diameter: 16.0 };
+        Step { cameras: vec![CameraStep { report, tracking: Duration::ZERO }], hand: None }
+    }
+
+    /// The red ball at (u, 100), 20 px wide; the others are not in sight.
+    fn red_at(u: f64, visible_fraction: f64) -> [BallTruth; BALLS] {
+        let centre = (u, 100.0);
+        let red = BallTruth { centre, outline_centre: centre, diameter: 20.0, visible_fraction };
+        let hidden = BallTruth { visible_fraction: 0.0, ..red };
+        [red, hidden, hidden, hidden]
+    }
+
+    #[test]
+    fn a_ball_is_found_near_its_place_and_false_a_diameter_away() {
+        use ObservationState::{Lost, Occluded, Predicted, Visible};
+        // state, true u, share in sight -> in sight, found, false
+        let cases = [
+            (Visible, 104.9, 1.0, (1, 1, 0)),
+            (Occluded, 104.9, 0.7, (1, 1, 0)),
+            (Visible, 105.1, 1.0, (1, 0, 0)),
+            (Visible, 120.1, 1.0, (1, 0, 1)),
+            (Visible, 120.1, 0.1, (0, 0, 1)),
+            (Occluded, 120.1, 0.1, (0, 0, 0)),
+            (Predicted, 100.0, 1.0, (1, 0, 0)),
+            (Lost, 100.0, 1.0, (1, 0, 0)),
+        ];
+        for (state, u, share, (in_sight, found, false_detections)) in cases {
+            let mut comparison = Comparison::default();
+            comparison.add(&step_with_red(state), &[red_at(u, share)], hand(0.0, 0.0));
+            let counted = BallCounts { in_sight, found, false_detections };
+            assert_eq!(comparison.balls(), counted, "{state:?} {u} {share}");
+        }
+        let mut comparison = Comparison::default();
+        comparison.add(&step_with_red(Visible), &[red_at(103.0, 1.0)], hand(0.0, 0.0));
+        comparison.add(&step_with_red(Visible), &[red_at(101.0, 1.0)], hand(0.0, 0.0));
+        let centre = comparison.centre_px().unwrap();
+        assert_eq!((centre.mean, centre.max), (2.0, 3.0));
     }
 
     #[test]

@@ -59,10 +59,14 @@ fn a_seed_that_teaches_nothing_names_the_ball_and_the_reason() {
 #[test]
 fn a_picture_of_one_pixel_is_refused() {
     let clip = Clip::of("still", 1);
+    let (u, v) = clip.seed(0, tetrad_core::observation::Ball::Red);
+    clip.tetrad(&format!("learn --source left --at red={u},{v} --out red.toml")).done();
     for view in ["left", "right"] {
         write_png(&clip.frame(view, 0), (1, 1), png::ColorType::Rgb, png::BitDepth::Eight, &[9, 9, 9]);
     }
     clip.tetrad(TRACK).refused(2, &["red", "1x1"]);
+    let track = "track --left left --colours-left red.toml --balls red --out out";
+    clip.tetrad(track).refused(2, &["left", "1x1", "red"]);
     clip.tetrad("learn --source left --at red=0,0 --out c.toml").refused(1, &["red at (0, 0)", "1x1"]);
     assert!(!clip.path("c.toml").exists());
 }

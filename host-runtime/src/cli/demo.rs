@@ -4,7 +4,7 @@
 use super::interrupt::Interrupt;
 use super::{make_dir, progress, say};
 use crate::balls::BallSet;
-use crate::comparison::{self, Comparison};
+use crate::comparison::{self, BallCounts, Comparison};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::learning;
 use crate::output::{CameraSummary, Canvas, RecordedCamera, Recorder, Spread, TruthCsv};
@@ -296,9 +296,9 @@ fn report(comparison: &Comparison, cameras: &[(&'static str, CameraSummary)], ar
             |s| format!("mean {:.2} {unit}, max {:.2} {unit}", s.mean, s.max),
         )
     };
-    let (expected, missed) = comparison.expected_and_missed();
+    let BallCounts { in_sight, found, false_detections } = comparison.balls();
     say(format_args!("frames          {} tracked of {}", comparison.tracked(), comparison.frames()));
-    say(format_args!("balls           {} seen of {expected} in sight", expected - missed));
+    say(format_args!("balls           {found} found of {in_sight} in sight, {false_detections} false"));
     say(format_args!("centre error    {}", range(comparison.centre_px(), "px")));
     say(format_args!(
         "pose error      {}; {}",

@@ -14,6 +14,9 @@ use anyhow::Context as _;
 use std::ops::ControlFlow;
 use tetrad_core::config::{HandConfig, LearnConfig, TrackerConfig};
 use tetrad_core::hand::affine::Arms;
+use tetrad_core::observation::{BALLS, Ball};
+use tetrad_core::vision::appearance::LearntBall;
+use tetrad_core::vision::frame::FrameView;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -120,7 +123,11 @@ fn start(settings: &TrackSettings, frames: &[Frame<'_>]) -> Result<Pipeline, Fai
 
 fn learnt(camera: &CameraSettings, frame: &Frame<'_>) -> Result<CameraStart, Failure> {
     match &camera.start {
-        Start::Colours(colours) => Ok(CameraStart::anywhere(colours.learnt_balls())),
+        Start::Colours(colours) => {
+            let balls = colours.learnt_balls();
+            fits(camera, &balls, &frame.view)?;
+            Ok(CameraStart::anywhere(balls))
+        }
         Start::Seeds { seeds, file } => {
             let size = (frame.view.width(), frame.view.height());
             scene_file::check_seeds(seeds, camera.name, size, file).or_exit(Exit::BadArguments)?;
@@ -130,6 +137,27 @@ fn learnt(camera: &CameraSettings, frame: &Frame<'_>) -> Result<CameraStart, Fai
             Ok(learning::start_with(&taught))
         }
     }
+}
+
+/// Refuses balls that are larger than the picture they are searched in.
+fn fits(
+    camera: &CameraSettings,
+    balls: &[Option<LearntBall>; BALLS],
+    view: &FrameView<'_>,
+) -> Result<(), Failure> {
+    for (ball, learnt) in Ball::ALL.into_iter().zip(balls) {
+        let least_side = f32::from(view.width().min(view.height()));
+        if let Some(learnt) = learnt.filter(|learnt| learnt.diameter > least_side) {
+            let (name, source, diameter) = (camera.name, &camera.source, learnt.diameter);
+            let (width, height) = (view.width(), view.height());
+            return Err(Failure::bad_arguments(format!(
+                "{source}: the {name} pictures are {width}x{height} pixels, and the {} ball is {diameter} px across",
+                ball.name()
+            ))
+            .help("give larger pictures, or colours that were learnt from these"));
+        }
+    }
+    Ok(())
 }
 
 /// Seconds to whole microseconds; a time before the clock's zero is zero.

@@ -1,0 +1,77 @@
+//! `tetrad learn`: pointing at balls, and being told why a point teaches nothing.
+
+mod common;
+
+use common::{Clip, csv};
+use tetrad::colours::Colours;
+use tetrad_core::observation::Ball;
+
+fn at(clip: &Clip, ball: Ball) -> String {
+    let (u, v) = clip.seed(0, ball);
+    format!("--at {}={u},{v}", ball.name())
+}
+
+#[test]
+fn the_file_holds_what_the_picture_shows() {
+    let clip = Clip::of("static-24px", 1);
+    let points = Ball::ALL.map(|ball| at(&clip, ball)).join(" ");
+    let ran = clip.tetrad(&format!("learn --source left {points} --out left.toml")).done();
+    for ball in Ball::ALL {
+        assert!(ran.stdout.contains(ball.name()), "{}", ran.stdout);
+    }
+    assert!(ran.stdout.contains("nothing else in the picture looks like it"), "{}", ran.stdout);
+
+    let text = std::fs::read_to_string(clip.path("left.toml")).unwrap();
+    let colours = Colours::parse(&text, "left.toml").unwrap();
+    let origin = colours.origin.unwrap();
+    assert_eq!((origin.source.as_str(), origin.frame), ("left", 0));
+    for (ball, truth) in Ball::ALL.into_iter().zip(clip.scene.truth(0, 0)) {
+        let learnt = colours.balls[ball.index()].unwrap();
+        let at = learnt.at.unwrap();
+        let off = (f64::from(at.u) - truth.outline_centre.0).hypot(f64::from(at.v) - truth.outline_centre.1);
+        assert!(off < 1.0, "{}: {off} px", ball.name());
+        let diameter = f64::from(learnt.learnt.diameter);
+        assert!((diameter - truth.diameter).abs() < 2.5, "{}: {diameter} px", ball.name());
+    }
+}
+
+#[test]
+fn a_later_frame_can_be_learnt_from_and_one_beyond_the_end_cannot() {
+    let clip = Clip::of("still", 2);
+    let point = at(&clip, Ball::Red);
+    clip.tetrad(&format!("learn --source left {point} --frame 1 --out c.toml")).done();
+    assert!(std::fs::read_to_string(clip.path("c.toml")).unwrap().contains("frame = 1"));
+    for frame in [2, 9] {
+        clip.tetrad(&format!("learn --source left {point} --frame {frame} --out d.toml"))
+            .refused(2, &[&format!("--frame {frame}"), "left has only 2 frames"]);
+    }
+    assert!(!clip.path("d.toml").exists());
+}
+
+#[test]
+fn every_ball_that_teaches_nothing_is_named_with_its_reason() {
+    let clip = Clip::of("static-24px", 1);
+    let red = at(&clip, Ball::Red);
+    let learn = |points: &str| clip.tetrad(&format!("learn --source left {points} --out c.toml"));
+    let both = ["green at (9, 9): there is no ball", "blue at (30, 9): there is no ball", "640x480"];
+    learn(&format!("{red} --at green=9,9 --at blue=30,9")).refused(1, &both);
+    learn("--at red=640,9").refused(2, &["red at (640, 9)", "outside the picture", "640x480"]);
+    learn("--at red=nan,9").refused(2, &["red=nan,9", "red=412,230"]);
+    learn("--at pink=9,9").refused(2, &["`pink`"]);
+    learn(&format!("{red} {red}")).refused(2, &["red", "twice"]);
+    assert!(!clip.path("c.toml").exists());
+}
+
+#[test]
+fn the_scan_has_the_threshold_between_ball_and_background() {
+    let clip = Clip::of("static-24px", 1);
+    clip.tetrad(&format!("learn --source left {} --out c.toml --scan scans", at(&clip, Ball::Blue))).done();
+    let rows = csv(&clip.path("scans/scan-blue.csv"));
+    assert_eq!(rows[0].join(","), "x,r,g,b,v,d,m,threshold,border");
+    let borders: Vec<usize> = (1..rows.len()).filter(|&i| !rows[i][8].is_empty()).collect();
+    let [first, last] = borders[..] else { panic!("two borders: {borders:?}") };
+    assert_eq!((rows[first][8].as_str(), rows[last][8].as_str()), ("first", "last"));
+    let passes = |i: usize| rows[i][6].parse::<f32>().unwrap() >= rows[i][7].parse::<f32>().unwrap();
+    assert!(passes(first) && passes(last) && !passes(first - 1) && !passes(last + 1));
+    assert!(!passes(1) && !passes(rows.len() - 1), "background at both ends");
+}
