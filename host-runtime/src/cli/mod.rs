@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand. Commands print results; errors go up to `main`.
 
 mod demo;
+pub mod devices;
 mod interrupt;
 mod learn;
 mod progress;
@@ -34,6 +35,9 @@ enum Command {
     /// Simulated cameras and hand: learn, track and compare with the truth
     #[command(after_help = demo::EXAMPLES)]
     Demo(demo::DemoArgs),
+    /// List cameras, serial ports and CAN interfaces
+    #[command(after_help = devices::EXAMPLES)]
+    Devices,
     /// Teach the balls' colours as one camera sees them
     #[command(after_help = learn::EXAMPLES)]
     Learn(learn::LearnArgs),
@@ -49,6 +53,7 @@ enum Command {
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Demo(args) => demo::run(&args),
+        Command::Devices => devices::run(),
         Command::Learn(args) => learn::run(&args),
         Command::Track(args) => track::run(args),
     }

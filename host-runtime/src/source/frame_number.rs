@@ -21,7 +21,7 @@ pub(super) fn frame_number(stem: &str) -> Result<Option<u64>, &str> {
 
 /// Compares names the way people number them: digits by value, all else by character, so that
 /// `frame10` comes after `frame9`.
-pub(super) fn natural_order(a: &str, b: &str) -> Ordering {
+pub(crate) fn natural_order(a: &str, b: &str) -> Ordering {
     let (mut a_rest, mut b_rest) = (a, b);
     loop {
         let (Some(x), Some(y)) = (a_rest.chars().next(), b_rest.chars().next()) else {

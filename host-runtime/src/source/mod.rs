@@ -34,6 +34,7 @@ mod tests;
 
 pub use error::SourceError;
 pub use folder::FolderSource;
+pub(crate) use frame_number::natural_order;
 pub use simulated::SimulatedSource;
 pub use spec::Spec;
 pub use y4m::Y4mSource;
