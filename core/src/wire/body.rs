@@ -45,7 +45,8 @@ pub fn decode_body(body: &[u8]) -> Result<Packet, DecodeError> {
     }
     match *kind {
         OBSERVATION => {
-            let packet: ObservationPacket = read_fields(fields)?;
+            // another sender may leave a lost ball's old place in: here it has none
+            let packet = read_fields::<ObservationPacket>(fields)?.tidied();
             packet.check().map_err(DecodeError::Value)?;
             Ok(packet.into())
         }
