@@ -17,6 +17,14 @@ pub(super) fn frame(context: &Context) -> Outcome {
     fuzz(context, "frame")
 }
 
+pub(super) fn packet(context: &Context) -> Outcome {
+    fuzz(context, "packet")
+}
+
+pub(super) fn colours(context: &Context) -> Outcome {
+    fuzz(context, "colours")
+}
+
 fn fuzz(context: &Context, target: &str) -> Outcome {
     let ready =
         packages::cargo_tool(context, "cargo-fuzz", VERSION).and_then(|tool| has_cxx(context).map(|()| tool));

@@ -113,6 +113,18 @@ pub const CHECKS: &[Check] = &[
         run: fuzz::frame,
     },
     Check {
+        name: "fuzz-packet",
+        protects: "no bytes from a cable make the decoder panic",
+        quick: false,
+        run: fuzz::packet,
+    },
+    Check {
+        name: "fuzz-colours",
+        protects: "no colours.toml makes its parser panic",
+        quick: false,
+        run: fuzz::colours,
+    },
+    Check {
         name: "demo",
         protects: "the main job runs from start to end without hardware",
         quick: false,
