@@ -120,6 +120,9 @@ pub struct OcclusionConfig {
     pub diameter_share: f32,
     /// Under this share of the last clean area nothing of it is taken as measured: it is hidden.
     pub hidden_share: f32,
+    /// Of two balls that touch, the one under this share of its last clean area may be behind the
+    /// other.
+    pub hidden_under: f32,
     /// Pixels by which two balls may be further apart than (D_x + D_y) / 2 and still touch.
     pub margin: f32,
     /// How long a hidden ball is predicted before it is lost, microseconds.
@@ -209,6 +212,7 @@ impl Default for TrackerConfig {
                 area_share: 0.8,
                 diameter_share: 0.85,
                 hidden_share: 0.08,
+                hidden_under: 0.9,
                 margin: 1.5,
                 predict_us: 500_000,
             },
@@ -294,6 +298,7 @@ impl TrackerConfig {
             o.area_share,
             o.diameter_share,
             o.hidden_share,
+            o.hidden_under,
             o.margin,
             v.max_mismatch,
             v.max_drift,

@@ -26,15 +26,15 @@ pub(super) struct Find {
     pub(super) matcher: Matcher,
     /// Whether it is seen whole.
     pub(super) whole: bool,
-    /// Whether another ball hides a part of it.
-    pub(super) behind: bool,
+    /// Whether another ball is so near that it may hide a part of it.
+    pub(super) touching: bool,
     pub(super) centre: ImagePoint,
 }
 
 impl Find {
     fn new(candidate: Candidate, mode: Mode) -> Self {
         let Candidate { blob, matcher, score } = candidate;
-        Self { blob, score, mode, matcher, whole: false, behind: false, centre: blob.centre }
+        Self { blob, score, mode, matcher, whole: false, touching: false, centre: blob.centre }
     }
 }
 

@@ -4,6 +4,9 @@
 
 pub mod frame;
 
+#[cfg(test)]
+pub(crate) mod painter;
+
 pub mod colour;
 
 pub mod search;

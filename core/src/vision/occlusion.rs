@@ -33,13 +33,11 @@ pub fn touch(
     x.distance(y) < (mean_diameter(x_clean) + mean_diameter(y_clean)) * 0.5 + config.margin
 }
 
-/// Of two balls that touch, whether `x` is the hidden one: the one that has lost more of its area
+/// Of two balls that [`touch`], whether `x` is the hidden one: the one that has lost more of its area
 /// against the last clean pass.
 #[must_use]
 pub fn is_hidden_by(x: &Seen, y: &Seen, config: &OcclusionConfig) -> bool {
-    touch(x.centre, &x.clean, y.centre, &y.clean, config)
-        && x.area_share < y.area_share
-        && x.area_share < config.area_share.max(0.9)
+    x.area_share < y.area_share && x.area_share < config.hidden_under
 }
 
 /// Eq. 3: the true centre of ball X of which only a part shows beside ball Y, which is whole.

@@ -12,7 +12,7 @@ use super::centre::Clean;
 use super::detect::Scratch;
 use super::frame::FrameView;
 use super::locate::{Doubtful, Find, Finds, Locator, places};
-use super::occlusion::{Seen, centre_behind, centre_beyond_the_edge, is_hidden_by};
+use super::occlusion::{Seen, centre_behind, centre_beyond_the_edge, is_hidden_by, touch};
 use super::reacquire::{Places, suggested};
 use super::search::Region;
 pub use super::track::Mode;
@@ -209,9 +209,12 @@ impl CameraTracker {
             let Some(find) = find else { continue };
             let mut front: Option<Seen> = None;
             for (l, (other, other_track)) in before.iter().zip(&self.tracks).enumerate() {
-                if let Some(y) = seen(other, other_track)
-                    && l != k
-                    && is_hidden_by(&x, &y, c)
+                let Some(y) = seen(other, other_track) else { continue };
+                if l == k || !touch(x.centre, &x.clean, y.centre, &y.clean, c) {
+                    continue;
+                }
+                find.touching = true;
+                if is_hidden_by(&x, &y, c)
                     && front.is_none_or(|f| x.centre.distance(y.centre) < x.centre.distance(f.centre))
                 {
                     front = Some(y);
@@ -219,7 +222,6 @@ impl CameraTracker {
             }
             if let Some(y) = front {
                 find.whole = false;
-                find.behind = true;
                 find.centre =
                     centre_behind(frame, &find.matcher, &find.blob, &x.clean, y.centre, &y.clean, tested);
             } else if find.blob.cut {
@@ -255,9 +257,10 @@ impl CameraTracker {
                     background_around(frame, find.centre, size, &find.matcher, ceiling, rank, tested);
                 let typical = (find.score >= c.shape.whole_score).then_some(find.blob.colour);
                 track.appearance.follow(typical, background);
-                if find.whole {
+                // Beside another ball the size stays that of the last pass without occlusion (3.4).
+                if find.whole && !find.touching {
                     track.clean = Clean::of(&find.blob);
-                } else if find.score >= c.shape.whole_score && !find.blob.cut && !find.behind {
+                } else if find.score >= c.shape.whole_score && !find.blob.cut && !find.touching {
                     track.clean = track.clean.towards(&Clean::of(&find.blob), c.shape.size_follow);
                 }
             }
@@ -312,3 +315,6 @@ impl CameraTracker {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
