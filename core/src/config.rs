@@ -337,18 +337,19 @@ pub struct LearnConfig {
     pub saturation_share_256: u16,
     /// How far from the point a highlight may reach, pixels: a quarter of a ball of 64 pixels.
     pub seed_reach: i32,
-    /// The contrast across the rim, in M, at which a direction counts half. It bounds what a few
-    /// directions with a white wall behind them can outvote.
+    /// The contrast of saturation across the rim, 0 to 1, at which a direction counts half. It bounds
+    /// what a few strong directions can outvote.
     pub half_contrast: f32,
-    /// The least contrast, in M, of a direction that supports the rim.
+    /// The least contrast of saturation, 0 to 1, of a direction that supports the rim.
     pub least_contrast: f32,
-    /// The least contrast over the whole rim, 0 to 1. Labelled balls of real footage: 0.32 to 0.87.
+    /// The least contrast over the whole rim, 0 to 1. Labelled balls of real footage: 0.31 to 0.74;
+    /// three of four points on a background stay below 0.22.
     pub least_rim: f32,
-    /// Directions of 32 that must support a rim: half. Labelled balls of real footage: 20 to 32;
-    /// three of four points on a background stay below 18.
+    /// Directions of 32 that must support a rim: half. Labelled balls of real footage: 19 to 32;
+    /// three of four points on a background stay below 13.
     pub least_support: u16,
     /// Share of the ball less share of the neighbourhood that the best threshold must keep apart.
-    /// Labelled balls of real footage: 0.63 to 1; three of four points on a background below 0.66.
+    /// Labelled balls of real footage: 0.73 to 1; three of four points on a background stay below 0.63.
     pub least_separation: f32,
     /// How much worse a passing pixel of the neighbourhood is than a missed one of the ball, tried in
     /// this order until what eq. 1 matches is the ball that the outline shows.
@@ -370,14 +371,57 @@ impl Default for LearnConfig {
             least_chroma: 12,
             saturation_share_256: 128,
             seed_reach: 16,
-            half_contrast: 0.1,
-            least_contrast: 0.025,
-            least_rim: 0.2,
+            half_contrast: 0.15,
+            least_contrast: 0.05,
+            least_rim: 0.22,
             least_support: 16,
-            least_separation: 0.55,
+            least_separation: 0.6,
             ring_weights: [1.0, 2.0, 3.0, 5.0],
             passes: 1,
             clash_samples: 4096,
+        }
+    }
+}
+
+/// Section 3.1 without a point: how the four balls are proposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ProposeConfig {
+    /// How each candidate is learnt.
+    pub learn: LearnConfig,
+    /// At most about so many pixels of a picture are looked at for seeds. 19,200 is every fourth
+    /// column and row of 640 x 480: balls from 8 pixels across are met.
+    pub grid_samples: u32,
+    /// The least quality of a candidate, 0 to 1.
+    pub least_quality: f32,
+    /// How much larger the largest of the four may be than the smallest: they are equal balls, and
+    /// the frame is small beside its distance.
+    pub size_ratio: f32,
+    /// The greatest distance between two balls, in their diameters.
+    pub spread: f32,
+    /// Lengths of the arms E1, E2, E3, in any unit.
+    pub arms: [f32; 3],
+    /// How far the four may be from a frame of right angles seen from afar: abs(sum z^2) / sum
+    /// abs(z)^2 of the arms' projections, 0 to 1. Near cameras make it up to 0.25.
+    pub skew: f32,
+    /// By what ratio the arm in ball diameters may differ between two views.
+    pub arm_ratio: f32,
+    /// Share of the best score from which on the next best makes it ambiguous.
+    pub ambiguity: f32,
+}
+
+impl Default for ProposeConfig {
+    fn default() -> Self {
+        Self {
+            learn: LearnConfig::default(),
+            grid_samples: 19_200,
+            least_quality: 0.05,
+            size_ratio: 2.0,
+            spread: 20.0,
+            arms: [1.0; 3],
+            skew: 0.4,
+            arm_ratio: 1.4,
+            ambiguity: 0.95,
         }
     }
 }

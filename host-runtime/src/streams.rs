@@ -1,10 +1,10 @@
 //! One or two sources read in step.
 //!
-//! Recordings and scenes pair their frames by index. Two live cameras pair them by capture time: the
+//! Recordings and scenes pair their frames by index; a picture that only one of them lacks ends it. Two live cameras pair them by capture time: the
 //! one that lags gives frames away until the two are at most half a frame apart.
 
 use crate::exit::{Exit, Failure};
-use crate::source::{Frame, Source, SourceError};
+use crate::source::{Frame, Gap, Source, SourceError};
 use std::fmt;
 use std::ops::ControlFlow;
 
@@ -38,6 +38,19 @@ pub enum StreamError {
         /// SRC as it was given.
         source_name: String,
     },
+    /// A picture is missing in one recording and not in the other: from there on the pairs are wrong.
+    #[error(
+        "a picture is missing before frame {number} of the {name} source, and not in the other: \
+         {pairs} pairs before it were tracked. Put it back, or take its partner away as well"
+    )]
+    Unpaired {
+        /// `left` or `right`.
+        name: &'static str,
+        /// What the frame after the gap is called.
+        number: u64,
+        /// Pairs delivered before.
+        pairs: u64,
+    },
     /// One source ended before the other.
     #[error(
         "the sources differ in length: left has {left} frames and right has {right}; \
@@ -55,7 +68,9 @@ impl From<StreamError> for Failure {
     fn from(error: StreamError) -> Self {
         let exit = match &error {
             StreamError::Source { cause, .. } => cause.exit(),
-            StreamError::Empty { .. } | StreamError::Unequal { .. } => Exit::Failed,
+            StreamError::Empty { .. } | StreamError::Unpaired { .. } | StreamError::Unequal { .. } => {
+                Exit::Failed
+            }
         };
         Self::new(exit, error)
     }
@@ -117,8 +132,8 @@ impl Streams {
     /// Lends one frame of each source at a time to `each`, until the sources end or it breaks.
     ///
     /// # Errors
-    /// [`StreamError`] when a source fails, has no frame at all or ends before the other; or what
-    /// `each` returned.
+    /// [`StreamError`] when a source fails, has no frame at all, lacks one that the other has
+    /// or ends before it; or what `each` returned.
     pub fn run<E: From<StreamError>>(
         &mut self,
         mut each: impl FnMut(&[Frame<'_>]) -> Result<ControlFlow<()>, E>,
@@ -175,6 +190,7 @@ fn run_two<E: From<StreamError>>(
     each: &mut impl FnMut(&[Frame<'_>]) -> Result<ControlFlow<()>, E>,
 ) -> Result<End, E> {
     let largest_skew_s = largest_skew_s(left, right);
+    let names = (left.name, right.name);
     let mut pairs = 0;
     loop {
         let mut from_left = left.next(pairs)?;
@@ -194,6 +210,11 @@ fn run_two<E: From<StreamError>>(
         let ended = |frames| Count { frames, ended: true };
         match (from_left, from_right) {
             (Some(l), Some(r)) => {
+                if largest_skew_s.is_none() && l.gap != r.gap {
+                    let (name, number) =
+                        if l.gap == Gap::None { (names.1, r.number) } else { (names.0, l.number) };
+                    return Err(StreamError::Unpaired { name, number, pairs }.into());
+                }
                 pairs += 1;
                 if each(&[l, r])?.is_break() {
                     return Ok(End::Stopped);

@@ -25,6 +25,14 @@ fn unequal_frame_counts_are_both_named_after_the_common_part() {
 }
 
 #[test]
+fn a_picture_that_is_missing_in_one_camera_is_named_before_pairs_go_wrong() {
+    let clip = Clip::of("still", 5);
+    fs::remove_file(clip.frame("left", 2)).unwrap();
+    clip.tetrad(TRACK).refused(1, &["missing before frame 3 of the left source", "2 pairs"]);
+    assert_eq!(csv(&clip.path("out/pose.csv")).len(), 1 + 2);
+}
+
+#[test]
 fn a_truncated_picture_is_named_and_the_frames_before_it_are_kept() {
     let clip = Clip::of("still", 4);
     let path = clip.frame("left", 2);

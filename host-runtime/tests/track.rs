@@ -100,6 +100,20 @@ fn one_camera_and_two_balls_leave_pose_and_motion_empty() {
 }
 
 #[test]
+fn a_gap_in_the_numbering_is_tracked_across_and_told() {
+    let clip = Clip::of("still", 5);
+    for view in ["left", "right"] {
+        std::fs::remove_file(clip.frame(view, 2)).unwrap();
+    }
+    let ran = clip.tetrad("track --left left --right right --scene scene.json --out out").done();
+    assert!(ran.stdout.contains("1 frames are missing"), "{}", ran.stdout);
+    let frames: Vec<_> = csv(&clip.path("out/pose.csv")).into_iter().map(|row| row[0].clone()).collect();
+    assert_eq!(frames, ["frame", "0", "1", "3", "4"]);
+    let summary = json(&clip.path("out/summary.json"));
+    assert_eq!(summary["cameras"]["right"]["frames_missed"].as_u64(), Some(1));
+}
+
+#[test]
 fn the_same_frames_give_the_same_files_twice() {
     let clip = Clip::of("finger", 4);
     let [first, second] = ["one", "two"].map(|out| {

@@ -7,7 +7,7 @@ use crate::balls::BallSet;
 use crate::comparison::{self, BallCounts, Comparison};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::learning;
-use crate::output::{CameraSummary, Canvas, RecordedCamera, Recorder, Spread, TruthCsv};
+use crate::output::{CameraSummary, Canvas, RecordedCamera, Recorder, Spread, Stamp, TruthCsv};
 use crate::pipeline::{CameraStep, Pipeline, Step};
 use crate::source::View;
 use anyhow::Context as _;
@@ -213,7 +213,7 @@ impl<'a> Demo<'a> {
         let stamp = (frame, t_s);
         let timed: Vec<_> = views.iter().map(|view| (*view, (t_s * 1e6).round() as u64)).collect();
         let step = self.pipeline.step(&timed);
-        self.recorder.step(&[stamp; CAMERAS.len()], &step).or_exit(Exit::Failed)?;
+        self.recorder.step(&[Stamp { frame, t_s, missed: 0 }; CAMERAS.len()], &step).or_exit(Exit::Failed)?;
 
         let hand = self.scene.hand(index);
         let balls = CAMERAS.map(|view| self.scene.truth(index, view.index()));

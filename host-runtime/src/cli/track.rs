@@ -4,11 +4,11 @@ use super::interrupt::Interrupt;
 use super::{make_dir, note, progress, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::learning;
-use crate::output::{RecordedCamera, Recorder, Summary};
+use crate::output::{RecordedCamera, Recorder, Stamp, Summary};
 use crate::pipeline::{CameraStart, Pipeline};
 use crate::scene_file;
 use crate::settings::{CameraSettings, Start, TrackArgs, TrackSettings};
-use crate::source::{self, Frame, Options, View};
+use crate::source::{self, Frame, Gap, Options, View};
 use crate::streams::{End, Stream, Streams};
 use anyhow::Context as _;
 use std::ops::ControlFlow;
@@ -94,12 +94,13 @@ fn track(
             }
         };
         let views: Vec<_> = frames.iter().map(|frame| (frame.view, micros(frame.t_s))).collect();
-        let stamps: Vec<_> = frames.iter().map(|frame| (frame.number, frame.t_s)).collect();
+        let stamps: Vec<_> = frames.iter().map(stamp).collect();
         recorder.step(&stamps, &pipeline.step(&views)).or_exit(Exit::Failed)?;
         bar.inc(1);
         Ok(if interrupt.asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     });
     bar.finish_and_clear();
+    streams.iter_mut().for_each(|stream| stream.source.take_notices().iter().for_each(note));
     end
 }
 
@@ -160,6 +161,15 @@ fn fits(
     Ok(())
 }
 
+fn stamp(frame: &Frame<'_>) -> Stamp {
+    let missed = match frame.gap {
+        Gap::Missed(frames) => frames,
+        // nobody knows how many
+        Gap::None | Gap::Unknown => 0,
+    };
+    Stamp { frame: frame.number, t_s: frame.t_s, missed }
+}
+
 /// Seconds to whole microseconds; a time before the clock's zero is zero.
 fn micros(t_s: f64) -> u64 {
     (t_s * 1e6).round() as u64
@@ -174,6 +184,9 @@ fn report(summary: &Summary, settings: &TrackSettings) {
             .map(|(ball, counts)| format!("{ball} {}", counts.visible + counts.occluded))
             .collect();
         say(format_args!("  {name}: frames in which each ball was seen: {}", seen.join(", ")));
+        if camera.missed() > 0 {
+            say(format_args!("  {name}: {} frames are missing in between", camera.missed()));
+        }
         if let (Some(time), Some(tested)) = (camera.tracking_us(), camera.pixels_tested()) {
             say(format_args!(
                 "  {name}: {:.0} us a frame (p99 {:.0}), {:.0} pixels tested",

@@ -16,7 +16,7 @@ pub use csv::{CsvFile, OutputError};
 pub use hand::{MotionCsv, PoseCsv};
 pub use observations::ObservationsCsv;
 pub use picture::Canvas;
-pub use recorder::{RecordedCamera, Recorder};
+pub use recorder::{RecordedCamera, Recorder, Stamp};
 pub use scan::ScanCsv;
 pub use summary::{CameraSummary, Spread, StateCounts, Summary};
 pub use truth::TruthCsv;

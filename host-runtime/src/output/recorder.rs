@@ -17,6 +17,17 @@ pub struct RecordedCamera {
     pub size: (u16, u16),
 }
 
+/// Which frame of a camera a step took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stamp {
+    /// What the frame is called in the `frame` columns.
+    pub frame: u64,
+    /// When it was taken, seconds.
+    pub t_s: f64,
+    /// How many frames are missing before it.
+    pub missed: u64,
+}
+
 /// Writes observations.csv, pose.csv and motion.csv as frames come, and summary.json at the end.
 #[derive(Debug)]
 pub struct Recorder {
@@ -53,20 +64,21 @@ impl Recorder {
         })
     }
 
-    /// Adds one step; `stamps` are the cameras' frame numbers and times in seconds. The hand's rows
-    /// carry the first camera's.
+    /// Adds one step; `stamps` are the cameras' frames. The hand's rows carry the first camera's.
     ///
     /// # Errors
     /// [`OutputError`] when a row cannot be written.
-    pub fn step(&mut self, stamps: &[(u64, f64)], step: &Step) -> Result<(), OutputError> {
-        for ((camera, &stamp), (name, summary)) in
+    pub fn step(&mut self, stamps: &[Stamp], step: &Step) -> Result<(), OutputError> {
+        for ((camera, stamp), (name, summary)) in
             step.cameras.iter().zip(stamps).zip(&mut self.summary.cameras)
         {
             let report = &camera.report;
             summary.add(camera.tracking, report.tested, &report.observations);
-            self.observations.write(stamp, name, self.balls, &report.observations)?;
+            summary.add_missed(stamp.missed);
+            self.observations.write((stamp.frame, stamp.t_s), name, self.balls, &report.observations)?;
         }
-        if let (Some(hand), Some(&stamp)) = (&step.hand, stamps.first()) {
+        if let (Some(hand), Some(stamp)) = (&step.hand, stamps.first()) {
+            let stamp = (stamp.frame, stamp.t_s);
             self.pose.write(stamp, hand.pose.as_ref(), hand.state)?;
             self.motion.write(stamp, hand.motion.as_ref().ok())?;
             *self.summary.pose_states.entry(hand.state.name().to_owned()).or_default() += 1;

@@ -69,6 +69,7 @@ pub struct CameraSummary {
     balls: BallSet,
     tracking: Vec<Duration>,
     tested: Vec<u32>,
+    missed: u64,
     states: [StateCounts; BALLS],
 }
 
@@ -77,7 +78,7 @@ impl CameraSummary {
     #[must_use]
     pub fn new(source: String, size: (u16, u16), balls: BallSet) -> Self {
         let states = [StateCounts::default(); BALLS];
-        Self { source, size, balls, tracking: Vec::new(), tested: Vec::new(), states }
+        Self { source, size, balls, tracking: Vec::new(), tested: Vec::new(), missed: 0, states }
     }
 
     /// Adds a frame: how long tracking took (decoding excluded), pixels tested, what was seen.
@@ -87,6 +88,17 @@ impl CameraSummary {
         for (counts, seen) in self.states.iter_mut().zip(observations) {
             counts.count(seen.state);
         }
+    }
+
+    /// Adds frames that the source knows to be missing.
+    pub fn add_missed(&mut self, frames: u64) {
+        self.missed += frames;
+    }
+
+    /// Frames that are missing between those tracked.
+    #[must_use]
+    pub const fn missed(&self) -> u64 {
+        self.missed
     }
 
     /// Microseconds of tracking a frame.
@@ -113,6 +125,7 @@ impl CameraSummary {
             width: self.size.0,
             height: self.size.1,
             frames: self.tracking.len(),
+            frames_missed: self.missed,
             tracking_us: self.tracking_us(),
             pixels_tested: self.pixels_tested(),
             states: self.states(),
@@ -141,6 +154,7 @@ struct CameraReport<'a> {
     width: u16,
     height: u16,
     frames: usize,
+    frames_missed: u64,
     tracking_us: Option<Spread>,
     pixels_tested: Option<Spread>,
     states: BTreeMap<&'static str, StateCounts>,

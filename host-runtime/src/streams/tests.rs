@@ -8,6 +8,7 @@ struct Times {
     times: Vec<f64>,
     at: usize,
     broken: Option<usize>,
+    gap_at: Option<usize>,
 }
 
 impl Source for Times {
@@ -21,9 +22,10 @@ impl Source for Times {
         }
         let Some(&t_s) = self.times.get(self.at) else { return Ok(None) };
         let index = self.at as u64;
+        let gap = if self.gap_at == Some(self.at) { Gap::Missed(2) } else { Gap::None };
         self.at += 1;
         let view = FrameView::packed(&[0, 0, 0], 1, 1, PixelFormat::Rgb888).unwrap();
-        Ok(Some(Frame { view, index, number: index, t_s, gap: Gap::None }))
+        Ok(Some(Frame { view, index, number: index, t_s, gap }))
     }
 }
 
@@ -37,7 +39,15 @@ fn stream(name: &'static str, times: &[f64], live: bool, broken: Option<usize>) 
         frames: None,
         live,
     };
-    Stream { name, source: Box::new(Times { info, times: times.to_vec(), at: 0, broken }) }
+    let times = times.to_vec();
+    Stream { name, source: Box::new(Times { info, times, at: 0, broken, gap_at: None }) }
+}
+
+/// Four frames, with a gap before one of them.
+fn gap_before(name: &'static str, index: usize) -> Stream {
+    let info = stream(name, &[], false, None).source.info().clone();
+    let source = Times { info, times: vec![0.0; 4], at: 0, broken: None, gap_at: Some(index) };
+    Stream { name, source: Box::new(source) }
 }
 
 /// The times of the frames that came together, and how it ended.
@@ -91,6 +101,19 @@ fn a_source_without_frames_or_with_a_bad_one_is_named() {
     let (seen, end) = run(stream("left", &[0.0; 4], false, None), Some(bad), 9);
     assert_eq!(seen.len(), 2);
     assert_eq!(end.unwrap_err().to_string(), "the right source failed after 2 frames");
+}
+
+#[test]
+fn a_gap_in_one_recording_ends_it_and_in_both_does_not() {
+    let (seen, end) = run(gap_before("left", 2), Some(gap_before("right", 2)), 9);
+    assert_eq!((seen.len(), end.unwrap()), (4, End::Exhausted));
+    for (left, right, name) in [(2, 9, "left"), (9, 2, "right")] {
+        let (seen, end) = run(gap_before("left", left), Some(gap_before("right", right)), 9);
+        let message = end.unwrap_err().to_string();
+        assert_eq!(seen.len(), 2);
+        assert!(message.contains(&format!("before frame 2 of the {name} source")), "{message}");
+        assert!(message.contains("2 pairs"), "{message}");
+    }
 }
 
 #[test]

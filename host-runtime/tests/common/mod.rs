@@ -43,6 +43,7 @@ pub(crate) fn tetrad(dir: &Path, arguments: &str) -> Ran {
     let output: Output = Command::new(env!("CARGO_BIN_EXE_tetrad"))
         .args(arguments.split_whitespace())
         .current_dir(dir)
+        .stdin(std::process::Stdio::null())
         .output()
         .expect("the program starts");
     Ran {
