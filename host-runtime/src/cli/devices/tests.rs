@@ -99,8 +99,8 @@ fn a_machine_with_nothing_says_so() {
 #[test]
 fn cameras_come_with_name_place_and_formats() {
     let mut machine = Machine::new();
-    machine.add_camera("video10", "1-4", offers(&["YUYV 640x480"]));
-    machine.add_camera("video2", "1-2.3", offers(&["YUYV 640x480, 320x240", "MJPG 1280x720"]));
+    machine.add_camera("video10", "1-4", offers(&["YUYV: 640x480"]));
+    machine.add_camera("video2", "1-2.3", offers(&["YUYV: 640x480, 320x240", "MJPG (not read): 1280x720"]));
     machine.write("sys/devices/pci0/usb1/1-2.3/serial", "C525-0042\n");
     fs::create_dir_all(machine.roots().dev.join("v4l/by-id")).unwrap();
     symlink("../../video2", machine.roots().dev.join("v4l/by-id/usb-HD_Webcam-video-index0")).unwrap();
@@ -113,10 +113,10 @@ fn cameras_come_with_name_place_and_formats() {
             "Cameras:
   /dev/video2  HD Webcam: HD Webcam, USB port 1-2.3, serial C525-0042, driver uvcvideo
       /dev/v4l/by-id/usb-HD_Webcam-video-index0
-      YUYV 640x480, 320x240
-      MJPG 1280x720
+      YUYV: 640x480, 320x240
+      MJPG (not read): 1280x720
   /dev/video10  HD Webcam: HD Webcam, USB port 1-4, driver uvcvideo
-      YUYV 640x480
+      YUYV: 640x480
 "
         ),
         "{}",
@@ -127,7 +127,7 @@ fn cameras_come_with_name_place_and_formats() {
 #[test]
 fn nodes_without_pictures_are_not_listed() {
     let mut machine = Machine::new();
-    machine.add_camera("video0", "1-1", offers(&["YUYV 640x480"]));
+    machine.add_camera("video0", "1-1", offers(&["YUYV: 640x480"]));
     machine.add_camera("video1", "1-1", Ok(Answer { captures: false, formats: Vec::new() }));
     // Nor is a further node that could not be asked: its camera says what is wrong.
     machine.add_camera("video2", "1-1", Err(13));

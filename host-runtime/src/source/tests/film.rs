@@ -174,3 +174,20 @@ fn what_is_no_frame_is_named_with_its_byte() {
         assert_says(&error.unwrap(), Exit::Failed, &["frame 1 (at byte 40)", "no frame begins here"]);
     }
 }
+
+proptest::proptest! {
+    #[test]
+    fn no_header_makes_it_panic_or_take_memory_without_bound(
+        parameters in proptest::collection::vec("[WHFICAX]([0-9]{1,20}|[0-9:p?tb]{0,6}|4[124][024](jpeg|p10)?|COLORRANGE=FULL)", 0..7),
+        tail in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..40),
+    ) {
+        let mut bytes = format!("YUV4MPEG2 {}\nFRAME\n", parameters.join(" ")).into_bytes();
+        bytes.extend(tail);
+        let film = film(&bytes);
+        // Without an error every frame delivered was in the file, and that is short.
+        if let Ok(mut source) = open_path(&film.path) {
+            let (seen, _) = read_all(source.as_mut());
+            proptest::prop_assert!(seen.len() <= bytes.len());
+        }
+    }
+}

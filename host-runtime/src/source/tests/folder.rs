@@ -370,3 +370,30 @@ fn the_given_rate_is_the_rate_of_frame_numbers() {
     let (seen, _) = read_all(source.as_mut());
     assert_eq!((seen[0].t_s, seen[1].t_s), (0.0, 0.25));
 }
+
+proptest::proptest! {
+    #[test]
+    fn damaged_pictures_are_refused_or_read_and_never_more(
+        kind in 0..3usize,
+        at in proptest::prelude::any::<proptest::sample::Index>(),
+        value in proptest::prelude::any::<u8>(),
+    ) {
+        let mut bytes = match kind {
+            0 => rgb_png(9, 7, [1, 2, 3]),
+            1 => jpeg(9, 7, jpeg_encoder::ColorType::Rgb, false),
+            _ => jpeg(9, 7, jpeg_encoder::ColorType::Rgb, true),
+        };
+        let at = at.index(bytes.len());
+        bytes[at] = value;
+        let folder = folder(&[("1.png", &bytes)]);
+        let mut picture = crate::source::picture::Picture::default();
+        let result = picture.load(&folder.path().join("1.png"));
+        let pixels = usize::from(picture.width) * usize::from(picture.height);
+        if result.is_ok() {
+            let whole = picture.format.row_bytes(usize::from(picture.width)) * usize::from(picture.height);
+            proptest::prop_assert!(pixels > 0 && picture.pixels.len() == whole);
+        } else {
+            proptest::prop_assert_eq!(pixels, 0);
+        }
+    }
+}

@@ -9,10 +9,11 @@ pub(super) struct FourCc(pub(super) [u8; 4]);
 
 impl fmt::Display for FourCc {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The highest bit marks big-endian formats; letters are all a person wants to see.
+        // The highest bit of all marks the big-endian sister of a format.
         let letters =
             self.0.map(|byte| char::from(byte & 0x7f)).map(|c| if c.is_ascii_graphic() { c } else { ' ' });
-        f.write_str(String::from_iter(letters).trim_end())
+        f.write_str(String::from_iter(letters).trim_end())?;
+        if self.0[3] & 0x80 != 0 { f.write_str("-BE") } else { Ok(()) }
     }
 }
 

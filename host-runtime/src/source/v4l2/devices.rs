@@ -5,7 +5,7 @@ use std::{io, path::Path};
 use super::{
     device::{Device, Identity},
     ioctl::{self, Kernel},
-    negotiate::offer,
+    negotiate::offers,
 };
 
 /// What a device node answered.
@@ -19,7 +19,7 @@ pub struct Probed {
     pub bus: String,
     /// Whether this node gives pictures; cameras have others, for metadata.
     pub captures: bool,
-    /// Its pixel formats, each with the sizes it comes in.
+    /// Its pixel formats and the sizes they come in, one line for those with the same sizes.
     pub formats: Vec<String>,
 }
 
@@ -33,14 +33,12 @@ pub fn probe(path: &Path) -> io::Result<Probed> {
 
 pub(super) fn ask(device: &mut impl Device) -> io::Result<Probed> {
     let Identity { card, driver, bus, captures, .. } = device.identity()?;
-    let mut formats = Vec::new();
-    if captures {
-        for fourcc in device.formats()? {
-            // A driver need not list sizes.
-            let sizes = device.sizes(fourcc).unwrap_or_default();
-            formats.push(offer(fourcc, &sizes));
-        }
-    }
+    let formats = if captures {
+        let offered = device.formats()?;
+        offers(device, &offered)
+    } else {
+        Vec::new()
+    };
     Ok(Probed { card, driver, bus, captures, formats })
 }
 

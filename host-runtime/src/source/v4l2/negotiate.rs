@@ -25,8 +25,6 @@ const READABLE: [(FourCc, PixelFormat); 8] = [
     (FourCc(*b"RGBR"), PixelFormat::Rgb565Be),
 ];
 
-const COMPRESSED: [FourCc; 2] = [FourCc(*b"MJPG"), FourCc(*b"JPEG")];
-
 /// What the camera will send.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Agreed {
@@ -150,31 +148,36 @@ fn refusal(device: &mut impl Device, offered: &[FourCc]) -> String {
         return "it offers no picture format at all: choose its input first (v4l2-ctl --set-input)"
             .to_owned();
     }
-    let list: Vec<String> = offered.iter().map(|fourcc| offer(*fourcc, &sizes(device, *fourcc))).collect();
     let readable: Vec<String> = READABLE.iter().map(|(fourcc, _)| fourcc.to_string()).collect();
-    let compressed = if offered.iter().any(|fourcc| COMPRESSED.contains(fourcc)) {
-        " (compressed pictures, MJPG, are not read in this version)"
-    } else {
-        ""
-    };
     format!(
-        "it offers {}, and only uncompressed, progressive {} are read{compressed}: record with another program to a .y4m file, or use another camera",
-        list.join("; "),
+        "it offers only {}, and progressive {} are read in this version: record with another program to a .y4m file, or use another camera",
+        offers(device, offered).join("; "),
         readable.join(", ")
     )
 }
 
-fn sizes(device: &mut impl Device, fourcc: FourCc) -> Vec<FrameSize> {
-    // Only for the message: a camera that does not list sizes is listed without.
-    device.sizes(fourcc).unwrap_or_default()
-}
-
-/// One format and its sizes, as shown to people.
-pub(super) fn offer(fourcc: FourCc, sizes: &[FrameSize]) -> String {
-    let mut text = fourcc.to_string();
-    for (index, size) in sizes.iter().enumerate() {
-        text.push_str(if index == 0 { " " } else { ", " });
-        text.push_str(&size.to_string());
+/// What a camera offers, for people: formats that come in the same sizes together, those that are
+/// read first.
+pub(super) fn offers(device: &mut impl Device, offered: &[FourCc]) -> Vec<String> {
+    let mut groups: Vec<(bool, Vec<FrameSize>, Vec<String>)> = Vec::new();
+    for fourcc in offered {
+        let readable = READABLE.iter().any(|(known, _)| known == fourcc);
+        // A driver need not list sizes.
+        let sizes = device.sizes(*fourcc).unwrap_or_default();
+        match groups.iter_mut().find(|(read, same, _)| *read == readable && *same == sizes) {
+            Some((.., names)) => names.push(fourcc.to_string()),
+            None => groups.push((readable, sizes, vec![fourcc.to_string()])),
+        }
     }
-    text
+    // Stable: false comes before true.
+    groups.sort_by_key(|(readable, ..)| !readable);
+    groups
+        .iter()
+        .map(|(readable, sizes, names)| {
+            let sizes: Vec<String> = sizes.iter().map(FrameSize::to_string).collect();
+            let (colon, note) =
+                (if sizes.is_empty() { "" } else { ": " }, if *readable { "" } else { " (not read)" });
+            format!("{}{note}{colon}{}", names.join(", "), sizes.join(", "))
+        })
+        .collect()
 }

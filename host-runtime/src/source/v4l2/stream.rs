@@ -33,6 +33,14 @@ const STALL_TIMEOUT: Duration = Duration::from_secs(2);
 /// A greater step of the sequence number is no loss but nonsense (a loss of a thousand seconds).
 const MAX_SEQUENCE_STEP: u32 = 1 << 16;
 
+/// A stamp further in the future than this is of another clock. Some drivers reckon the time of
+/// exposure from the camera's own clock and are a few milliseconds off, in seconds.
+const MAX_AHEAD_S: f64 = 0.5;
+
+/// A first picture older than this was stamped by another clock: the stream has only just begun, in
+/// seconds.
+const MAX_AGE_S: f64 = 10.0;
+
 /// The step that keeps time increasing when neither clock does, in seconds.
 const LEAST_STEP_S: f64 = 1e-6;
 
@@ -215,24 +223,16 @@ impl<D: Device> Stream<D> {
         Taken { buffer: filled.index, index, number, t_s, gap }
     }
 
-    /// The driver's stamp while it is of the monotonic clock and increases; from its first failure
-    /// on, the moment of arrival.
+    /// The driver's stamp while it can be believed; from its first failure on, the moment of arrival.
     fn time(&mut self, filled: &Filled) -> f64 {
-        let after = |t_s: f64| self.last.is_none_or(|last| t_s > last.t_s);
+        let now = self.device.now_s();
         if self.clock == Clock::Driver {
-            match filled.t_s {
-                Some(t_s) if after(t_s) => return t_s,
-                Some(_) => self.notices.push(
-                    "the driver's time stamps do not increase; from here on frames carry the time they arrived".to_owned(),
-                ),
-                None => self.notices.push(
-                    "the driver does not stamp pictures with the monotonic clock; frames carry the time they arrived"
-                        .to_owned(),
-                ),
+            match believable(filled.t_s, self.last, now) {
+                Ok(t_s) => return t_s,
+                Err(why) => self.notices.push(format!("{why}; frames carry the time they arrived")),
             }
             self.clock = Clock::Arrival;
         }
-        let now = self.device.now_s();
         self.last.map_or(now, |last| now.max(last.t_s + LEAST_STEP_S))
     }
 
@@ -255,6 +255,19 @@ impl<D: Device> Drop for Stream<D> {
     fn drop(&mut self) {
         controls::restore(&mut self.device, &self.saved);
     }
+}
+
+/// A stamp that is of the monotonic clock, near the present and after the last one; else why not.
+fn believable(stamp: Option<f64>, last: Option<Last>, now: f64) -> Result<f64, &'static str> {
+    let t_s = stamp.ok_or("the driver does not stamp pictures with the monotonic clock")?;
+    // Only the first may be too old: later, an old picture may have waited for a stopped program.
+    if t_s > now + MAX_AHEAD_S || (last.is_none() && t_s < now - MAX_AGE_S) {
+        return Err("the driver's time stamps are of another clock than it says");
+    }
+    if last.is_some_and(|last| t_s <= last.t_s) {
+        return Err("the driver's time stamps do not increase");
+    }
+    Ok(t_s)
 }
 
 fn went_away(how: &str) -> String {

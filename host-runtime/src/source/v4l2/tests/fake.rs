@@ -51,8 +51,8 @@ pub(super) struct State {
     pub(super) script: VecDeque<Vec<Arrival>>,
     /// Whether pictures carry the driver's time.
     pub(super) stamps: bool,
-    /// Taken from the time of every picture, once.
-    pub(super) step_back_s: f64,
+    /// Added to the driver's time of the next picture.
+    pub(super) stamp_off_s: f64,
     pub(super) now_s: f64,
     queued: VecDeque<u32>,
     /// Filled buffers with the value they hold, or what taking one fails with.
@@ -98,7 +98,7 @@ impl Fake {
             buffer_count: 4,
             script: script.into(),
             stamps: true,
-            step_back_s: 0.0,
+            stamp_off_s: 0.0,
             now_s: 1000.0,
             queued: VecDeque::new(),
             filled: VecDeque::new(),
@@ -146,8 +146,8 @@ impl State {
                 Arrival::Fails(code) => self.filled.push_back(Err(code)),
                 Arrival::Picture { value, sequence, damaged, short } => {
                     let Some(index) = self.queued.pop_front() else { continue };
-                    let t_s = self.stamps.then_some(self.now_s - 0.001 - self.step_back_s);
-                    self.step_back_s = 0.0;
+                    let t_s = self.stamps.then_some(self.now_s - 0.001 + self.stamp_off_s);
+                    self.stamp_off_s = 0.0;
                     let whole = self.granted.map_or(0, |picture| picture.stride * picture.height) as usize;
                     let bytes = if short { whole / 2 } else { whole };
                     self.filled.push_back(Ok((Filled { index, bytes, damaged, sequence, t_s }, value)));

@@ -167,14 +167,42 @@ fn without_the_drivers_monotonic_time_frames_carry_their_arrival() {
 }
 
 #[test]
-fn time_never_runs_backwards() {
-    let fake = Fake::new(steady(4));
-    let mut camera = running(&fake);
-    let mut times = vec![camera.next().unwrap().t_s];
-    fake.state().step_back_s = 500.0;
-    for _ in 0..3 {
-        times.push(camera.next().unwrap().t_s);
+fn time_never_runs_backwards_whatever_the_driver_stamps() {
+    for (off_s, words) in [(-5.0, "do not increase"), (0.4, "do not increase"), (500.0, "of another clock")] {
+        let fake = Fake::new(steady(5));
+        let mut camera = running(&fake);
+        let mut times = vec![camera.next().unwrap().t_s];
+        fake.state().stamp_off_s = off_s;
+        for _ in 0..4 {
+            times.push(camera.next().unwrap().t_s);
+        }
+        assert!(times.is_sorted_by(|a, b| a < b), "{off_s}: {times:?}");
+        let notices = camera.take_notices();
+        assert_eq!(notices.len(), 1, "{notices:?}");
+        assert!(notices[0].contains(words), "{off_s}: {notices:?}");
     }
-    assert!(times.is_sorted_by(|a, b| a < b), "{times:?}");
-    assert!(camera.take_notices()[0].contains("do not increase"));
+}
+
+#[test]
+fn a_stream_that_begins_in_another_time_carries_arrivals() {
+    for off_s in [-900.0, 2e9] {
+        let fake = Fake::new(steady(1));
+        let mut camera = running(&fake);
+        fake.state().stamp_off_s = off_s;
+        assert_eq!(camera.next().unwrap().t_s, 1000.0 + fake::PERIOD_S);
+        assert!(camera.take_notices()[0].contains("of another clock"));
+    }
+}
+
+#[test]
+fn a_picture_that_waited_for_a_stopped_program_keeps_its_time() {
+    let fake = Fake::new(steady(2));
+    let mut camera = running(&fake);
+    let first = camera.next().unwrap().t_s;
+    // Taken soon after the first, and the program went to sleep for an hour.
+    fake.state().now_s += 3600.0;
+    fake.state().stamp_off_s = -3600.0;
+    let second = camera.next().unwrap().t_s;
+    assert!((second - first - fake::PERIOD_S).abs() < 1e-9, "{first} {second}");
+    assert!(camera.take_notices().is_empty());
 }

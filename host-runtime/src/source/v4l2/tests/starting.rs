@@ -90,7 +90,7 @@ fn a_camera_without_a_readable_format_is_refused_with_what_it_offers() {
     fake.state().formats =
         vec![(FourCc(*b"MJPG"), vec![(1280, 720), (640, 480)]), (FourCc(*b"H264"), vec![(1920, 1080)])];
     let words =
-        ["MJPG 1280x720, 640x480; H264 1920x1080", "YUYV", "not read in this version", "another camera"];
+        ["only MJPG (not read): 1280x720, 640x480; H264 (not read): 1920x1080", "YUYV", "another camera"];
     assert_refused(start(&fake, &Options::default()), Exit::Failed, &words);
 
     fake.state().formats.clear();
@@ -252,10 +252,25 @@ fn a_file_that_is_no_camera_is_a_bad_argument() {
 #[test]
 fn a_node_tells_its_formats_without_being_started() {
     let fake = Fake::new(Vec::new());
-    fake.state().formats.push((FourCc(*b"MJPG"), vec![(1280, 720), (640, 480)]));
+    let big_endian = FourCc([b'Y', b'1', b'6', b' ' | 0x80]);
+    fake.state().formats = vec![
+        (FourCc(*b"MJPG"), vec![(1280, 720), (640, 480)]),
+        (FourCc(*b"YUYV"), vec![(640, 480)]),
+        (FourCc(*b"GREY"), Vec::new()),
+        (FourCc(*b"NV12"), vec![(640, 480)]),
+        (big_endian, vec![(640, 480)]),
+    ];
     let probed = devices::ask(&mut fake.clone()).unwrap();
     assert_eq!(probed.card, "Memory Cam");
-    assert_eq!(probed.formats, ["YUYV 640x480", "MJPG 1280x720, 640x480"]);
+    assert_eq!(
+        probed.formats,
+        [
+            "YUYV, NV12: 640x480",
+            "MJPG (not read): 1280x720, 640x480",
+            "GREY (not read)",
+            "Y16-BE (not read): 640x480"
+        ]
+    );
     assert!(!fake.state().streaming);
     fake.state().identity.captures = false;
     assert!(devices::ask(&mut fake.clone()).unwrap().formats.is_empty());
