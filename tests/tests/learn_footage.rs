@@ -23,12 +23,12 @@ struct Promise {
 
 const PROMISES: [Promise; 6] = [
     Promise { clip: "stills", learnt: 0.95, ball: 0.85, neighbours: 0.04, aspect: 1.0 },
-    Promise { clip: "tossed_ball_slowmo", learnt: 0.92, ball: 0.80, neighbours: 0.02, aspect: 1.3 },
-    Promise { clip: "red_handheld", learnt: 0.90, ball: 0.80, neighbours: 0.08, aspect: 1.0 },
-    Promise { clip: "juggling_tv_red_yellow", learnt: 0.97, ball: 0.90, neighbours: 0.02, aspect: 1.0 },
-    Promise { clip: "marbles_cg_rgby", learnt: 0.97, ball: 0.90, neighbours: 0.02, aspect: 1.0 },
+    Promise { clip: "tossed_ball_slowmo", learnt: 0.97, ball: 0.85, neighbours: 0.02, aspect: 1.3 },
+    Promise { clip: "red_handheld", learnt: 0.97, ball: 0.80, neighbours: 0.08, aspect: 1.0 },
+    Promise { clip: "juggling_tv_red_yellow", learnt: 0.98, ball: 0.90, neighbours: 0.02, aspect: 1.0 },
+    Promise { clip: "marbles_cg_rgby", learnt: 0.98, ball: 0.90, neighbours: 0.02, aspect: 1.0 },
     // 256 colours, dithered, with boxes burned in around the balls.
-    Promise { clip: "juggling_gif_red_blue_yellow", learnt: 0.75, ball: 0.80, neighbours: 0.06, aspect: 1.0 },
+    Promise { clip: "juggling_gif_red_blue_yellow", learnt: 0.88, ball: 0.85, neighbours: 0.06, aspect: 1.0 },
 ];
 
 /// One line of the manifest.

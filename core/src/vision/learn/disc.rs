@@ -1,16 +1,19 @@
 //! The ball's outline: the circle whose rim separates best the ball's colour from what is around.
 //!
 //! The point the operator gives lies anywhere inside the ball and nothing is known of its size, so
-//! circles of every size that hold the point are compared by the contrast across their rims: M just
-//! inside against M just outside, in 32 directions. The same idea locates the iris of an eye
-//! (Daugman's integro-differential operator). It needs no threshold, which is what learning is
-//! about to find; it bridges highlights, which lie inside; shading is a slow change and gives little
-//! contrast; and a finger or a like-coloured neighbour at some directions costs only those.
+//! circles of every size that hold the point are compared by the contrast across their rims: how
+//! saturated in the ball's colour pixels are just inside against just outside, in 32 directions. The
+//! same idea locates the iris of an eye (Daugman's integro-differential operator). It needs no
+//! threshold, which is what learning is about to find; it bridges highlights, which lie inside; and a
+//! finger or a like-coloured neighbour at some directions costs only those.
+//!
+//! Saturation and not M, because shading leaves it alone. V is brightness as much as colour: the
+//! shadow side of a yellow ball has the M of light grey, and an outline by M ends at the shadow.
 
-use super::probe::{Probe, brightness, chroma};
+use super::probe::{Probe, brightness, chroma, saturation};
 use crate::config::{LearnConfig, MAX_DIAMETER};
 use crate::geometry::ImagePoint;
-use crate::vision::colour::{FULL_SCALE, Primary, matching};
+use crate::vision::colour::Primary;
 use crate::vision::frame::Rgb;
 
 /// Directions in which a rim is examined.
@@ -65,7 +68,7 @@ impl<'c> RimFinder<'c> {
 
     /// Whether a pixel inside the rim may be the ball: colourful enough, and with enough of the
     /// reference's saturation. Without this, a black curtain before a white wall or a hand around
-    /// the ball has a rim of its own, since both match better than what is behind them.
+    /// the ball has a rim of its own, since both are nearer to the ball than what is behind them.
     pub(super) fn belongs(&self, p: Rgb) -> bool {
         let chroma_here = chroma(self.primary, p);
         // chroma / brightness >= share * chroma_ref / brightness_ref, without dividing
@@ -79,16 +82,14 @@ impl<'c> RimFinder<'c> {
     /// Directions that leave the picture count as without contrast.
     pub(super) fn rim(&self, probe: &mut Probe<'_, '_>, disc: Disc, gap: f32) -> Rim {
         let mut rim = Rim::default();
-        let half = self.config.half_contrast * FULL_SCALE as f32;
-        let least = self.config.least_contrast * FULL_SCALE as f32;
         for &direction in &self.directions {
             let Some(contrast) = self.contrast(probe, disc, gap, direction) else {
                 continue;
             };
             if contrast > 0.0 {
-                rim.score += contrast / (contrast + half);
+                rim.score += contrast / (contrast + self.config.half_contrast);
             }
-            if contrast >= least {
+            if contrast >= self.config.least_contrast {
                 rim.support += 1;
             }
         }
@@ -96,8 +97,8 @@ impl<'c> RimFinder<'c> {
         rim
     }
 
-    /// M inside less M outside in one direction, in units of 1 / [`FULL_SCALE`]; `None` where the
-    /// inside is not the ball's or the picture ends.
+    /// Saturation inside less saturation outside in one direction, -1 to 1; `None` where the inside is
+    /// not the ball's or the picture ends.
     fn contrast(
         &self,
         probe: &mut Probe<'_, '_>,
@@ -111,9 +112,8 @@ impl<'c> RimFinder<'c> {
             return None;
         }
         let [outer, far] = [at(disc.radius + gap)?, at(disc.radius + 2.0 * gap)?];
-        let [inner, deep, outer, far] =
-            [inner, deep, outer, far].map(|p| matching(self.primary, p, self.reference));
-        Some((inner + deep - outer - far) as f32 / 2.0)
+        let [inner, deep, outer, far] = [inner, deep, outer, far].map(|p| saturation(self.primary, p));
+        Some((inner + deep - outer - far) / 2.0)
     }
 
     /// The best circle that holds the point: every radius of a ladder, centres on a grid of

@@ -1,7 +1,8 @@
 //! Teaching a colour: from one point inside a ball to all that eq. 1 needs (section 3.1).
 //!
 //! 1. The colour at the point; on a highlight, the most colourful pixel near it (`seed`).
-//! 2. The outline: the circle around the point with the most contrast across its rim (`disc`).
+//! 2. The outline: the circle around the point with the most contrast of saturation across its rim
+//!    (`disc`).
 //! 3. The histogram of the disc against that of the ring around it: the reference colour
 //!    (`histogram`), with which the outline is sought once more.
 //! 4. M of both populations: the threshold that separates them best, and from it the typical and the
@@ -9,13 +10,15 @@
 //!    outline shows.
 //! 5. The clash score: how much of the rest of the picture passes eq. 1 as well.
 //!
-//! Worst case: 21 centres x 28 radii x 32 directions x 4 pixels twice, and some 15 times the ball's
-//! own surroundings (at most 96 x 96 samples each): under 400,000 pixels, whatever the picture.
-//! About 4 KiB of stack: two histograms of 1 KiB, the rows of one ball 1.5 KiB.
+//! Worst case, whatever the picture, in pixels read: twice 21 centres x 29 radii x 32 directions x 4
+//! (156,000) and their refinement (74,000), eleven visits of the ball's surroundings (at most 97 x 97
+//! each) and four spirals of three diameters (at most 387 x 387 each): under a million. A ball of 16
+//! pixels takes some 180,000. About 4 KiB of stack: two histograms of 1 KiB, the rows of a ball 1.5.
 
 mod disc;
 mod histogram;
 mod probe;
+pub mod propose;
 mod scan;
 mod seed;
 mod settle;
@@ -100,20 +103,31 @@ pub fn learn(
     at: ImagePoint,
     config: &LearnConfig,
 ) -> Result<Learnt, LearnError> {
-    if !at.is_finite() || !frame.contains(libm::roundf(at.u) as i32, libm::roundf(at.v) as i32) {
+    learn_with(&mut Probe::new(frame), primary, at, config)
+}
+
+/// [`learn`], counting what is read whether or not it succeeds.
+fn learn_with(
+    probe: &mut Probe<'_, '_>,
+    primary: Primary,
+    at: ImagePoint,
+    config: &LearnConfig,
+) -> Result<Learnt, LearnError> {
+    let before = probe.tested();
+    let (x, y) = (libm::roundf(at.u) as i32, libm::roundf(at.v) as i32);
+    if !at.is_finite() || !probe.frame().contains(x, y) {
         return Err(LearnError::Outside);
     }
-    let mut probe = Probe::new(frame);
-    let seed = seed_colour(&mut probe, primary, at, config)?;
+    let seed = seed_colour(probe, primary, at, config)?;
     let finder = RimFinder::new(primary, seed, config);
-    let (mut disc, mut rim) = finder.search(&mut probe, at);
+    let (mut disc, mut rim) = finder.search(probe, at);
     for _ in 0..config.passes {
         // Again with the colour of the whole ball instead of that of one spot.
-        let colour = histogram::reference(&mut probe, disc).ok_or(LearnError::NoContrast)?;
-        (disc, rim) = RimFinder::new(primary, colour, config).search(&mut probe, disc.centre());
+        let colour = histogram::reference(probe, disc).ok_or(LearnError::NoContrast)?;
+        (disc, rim) = RimFinder::new(primary, colour, config).search(probe, disc.centre());
     }
     if rim.support < config.least_support || rim.score < config.least_rim {
-        let everywhere = finder.fills(&mut probe, at);
+        let everywhere = finder.fills(probe, at);
         return Err(if everywhere { LearnError::TooLarge } else { LearnError::Background });
     }
     if !disc.holds(at, POINT_SLACK, 1.0) {
@@ -125,9 +139,9 @@ pub fn learn(
     // A speck of two or three pixels may leave nothing to cluster.
     let tiny = 2.0 * disc.radius < config.least_diameter;
     let unsettled = if tiny { LearnError::TooSmall } else { LearnError::NoContrast };
-    let mut settled = Settled::of(&mut probe, disc, primary, config).ok_or(unsettled)?;
+    let mut settled = Settled::of(probe, disc, primary, config).ok_or(unsettled)?;
     if 2.0 * disc.radius < config.area_diameter {
-        settled = settled.by_area(&mut probe, primary, config).unwrap_or(settled);
+        settled = settled.by_area(probe, primary, config).unwrap_or(settled);
     }
     let diameter = 2.0 * settled.disc.radius;
     if diameter < config.least_diameter {
@@ -136,7 +150,7 @@ pub fn learn(
     if settled.separation < config.least_separation {
         return Err(LearnError::NoContrast);
     }
-    let clash_permille = settle::clash(&mut probe, &settled, config.clash_samples);
+    let clash_permille = settle::clash(probe, &settled, config.clash_samples);
     Ok(Learnt {
         reference: settled.reference,
         centre: settled.disc.centre(),
@@ -146,7 +160,7 @@ pub fn learn(
         support: rim.support,
         separation: settled.separation,
         clash_permille,
-        pixels_tested: probe.tested(),
+        pixels_tested: probe.tested().saturating_sub(before),
     })
 }
 

@@ -72,6 +72,16 @@ pub(super) const fn brightness(p: Rgb) -> i32 {
     max(p.r as i32, max(p.g as i32, p.b as i32))
 }
 
+/// Chroma over brightness, 0 to 1: what shading leaves alone. Near black, where it would be the noise
+/// over nothing, it goes to 0.
+#[inline]
+pub(super) fn saturation(primary: Primary, p: Rgb) -> f32 {
+    max(chroma(primary, p), 0) as f32 / (brightness(p) + DARK) as f32
+}
+
+/// The brightness, in levels, at which saturation counts half: twice that of a black curtain.
+const DARK: i32 = 32;
+
 const fn max(a: i32, b: i32) -> i32 {
     if a > b { a } else { b }
 }

@@ -1,6 +1,6 @@
 extern crate std;
 
-mod picture;
+pub(crate) mod picture;
 
 use super::*;
 use crate::vision::colour::Matcher;

@@ -5,26 +5,26 @@ use std::vec::Vec;
 
 /// A ball as the tests draw it.
 #[derive(Clone, Copy)]
-pub(super) struct Ball {
-    pub(super) u: f32,
-    pub(super) v: f32,
-    pub(super) diameter: f32,
-    pub(super) colour: Rgb,
+pub(crate) struct Ball {
+    pub(crate) u: f32,
+    pub(crate) v: f32,
+    pub(crate) diameter: f32,
+    pub(crate) colour: Rgb,
     /// Where the light comes from, radians in the picture.
-    pub(super) light: f32,
+    pub(crate) light: f32,
     /// Brightness of the side away from the light, 0 to 1.
-    pub(super) shadow: f32,
+    pub(crate) shadow: f32,
     /// Whether it has a white highlight, 0.2 of its diameter across.
-    pub(super) highlight: bool,
+    pub(crate) highlight: bool,
 }
 
 impl Ball {
-    pub(super) fn new(u: f32, v: f32, diameter: f32, colour: Rgb) -> Self {
+    pub(crate) fn new(u: f32, v: f32, diameter: f32, colour: Rgb) -> Self {
         Self { u, v, diameter, colour, light: -2.0, shadow: 0.45, highlight: true }
     }
 
     /// Where the highlight is: 0.4 radii from the centre, towards the light.
-    pub(super) fn highlight_at(&self) -> (f32, f32) {
+    pub(crate) fn highlight_at(&self) -> (f32, f32) {
         let reach = 0.4 * self.diameter / 2.0;
         (self.u + reach * self.light.cos(), self.v + reach * self.light.sin())
     }
@@ -46,22 +46,22 @@ impl Ball {
 }
 
 /// A picture in RGB888, with its size.
-pub(super) struct Picture {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    pub(super) pixels: Vec<Rgb>,
+pub(crate) struct Picture {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) pixels: Vec<Rgb>,
 }
 
 impl Picture {
     /// A background, a function of column and row.
-    pub(super) fn new(width: usize, height: usize, mut background: impl FnMut(i32, i32) -> Rgb) -> Self {
+    pub(crate) fn new(width: usize, height: usize, mut background: impl FnMut(i32, i32) -> Rgb) -> Self {
         let pixels =
             (0..width * height).map(|i| background((i % width) as i32, (i / width) as i32)).collect();
         Self { width, height, pixels }
     }
 
     /// Draws a ball with 4 x 4 samples a pixel, so that its rim is soft as a camera's is.
-    pub(super) fn with(mut self, ball: Ball) -> Self {
+    pub(crate) fn with(mut self, ball: Ball) -> Self {
         let (width, reach) = (self.width as i32, (ball.diameter / 2.0) as i32 + 2);
         let (cx, cy) = (ball.u as i32, ball.v as i32);
         for y in (cy - reach).max(0)..=(cy + reach).min(self.height as i32 - 1) {
@@ -85,7 +85,7 @@ impl Picture {
     }
 
     /// Noise of up to `amount` levels either way, from a fixed seed.
-    pub(super) fn with_noise(mut self, amount: i32) -> Self {
+    pub(crate) fn with_noise(mut self, amount: i32) -> Self {
         let mut random = Random(1);
         for pixel in &mut self.pixels {
             let [r, g, b] = [pixel.r, pixel.g, pixel.b]
@@ -96,7 +96,7 @@ impl Picture {
     }
 
     /// The bytes of the picture in `format`.
-    pub(super) fn encode(&self, format: PixelFormat) -> Vec<u8> {
+    pub(crate) fn encode(&self, format: PixelFormat) -> Vec<u8> {
         let mut bytes = Vec::new();
         let luma =
             |p: Rgb| (66 * i32::from(p.r) + 129 * i32::from(p.g) + 25 * i32::from(p.b) + 128) / 256 + 16;
@@ -141,23 +141,23 @@ impl Picture {
     }
 
     /// Calls `f` with the picture as a frame in RGB888.
-    pub(super) fn frame<T>(&self, f: impl FnOnce(&FrameView<'_>) -> T) -> T {
+    pub(crate) fn frame<T>(&self, f: impl FnOnce(&FrameView<'_>) -> T) -> T {
         self.frame_in(PixelFormat::Rgb888, f)
     }
 
     /// Calls `f` with the picture as a frame in `format`.
-    pub(super) fn frame_in<T>(&self, format: PixelFormat, f: impl FnOnce(&FrameView<'_>) -> T) -> T {
+    pub(crate) fn frame_in<T>(&self, format: PixelFormat, f: impl FnOnce(&FrameView<'_>) -> T) -> T {
         let bytes = self.encode(format);
         f(&FrameView::packed(&bytes, self.width as u16, self.height as u16, format).unwrap())
     }
 }
 
 /// Knuth's linear congruence: the same pictures on every machine.
-pub(super) struct Random(pub(super) u32);
+pub(crate) struct Random(pub(crate) u32);
 
 impl Random {
     /// From 0 to `limit` - 1.
-    pub(super) fn below(&mut self, limit: i32) -> i32 {
+    pub(crate) fn below(&mut self, limit: i32) -> i32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (self.0 >> 8) as i32 % limit.max(1)
     }
