@@ -68,8 +68,9 @@ pub struct SearchConfig {
     /// wholly seen from its own rim fills a fifth of the spiral; a quarter of that is left for
     /// occlusion.
     pub min_match_256: u32,
-    /// Pixels a global search may test, as a multiple of the picture's own. It bounds the worst
-    /// case: a picture in which everything has the ball's colour.
+    /// Pixels a global search may test with one threshold, as a multiple of the region's own. It
+    /// bounds the worst case, a picture in which everything has the ball's colour: this times the
+    /// picture, times 2 (1 + [`RETRIES`] + [`GLOBAL_RETRIES`]) thresholds, for each lost ball.
     pub global_budget: f32,
 }
 

@@ -224,17 +224,17 @@ impl<'a> Locator<'a> {
         others.filter_map(|(_, track)| track.as_ref().map(|t| t.appearance.current().typical)).collect()
     }
 
-    /// Eq. 1 as it is now, then nearer and nearer to the typical pixel; every other frame with the
-    /// colours that were taught, since the light may have changed back.
+    /// Eq. 1 as it is now, then nearer and nearer to the typical pixel; the same with the colours that
+    /// were taught, since the light may have changed back.
     fn global_matchers(&self, track: &BallTrack) -> impl Iterator<Item = Matcher> + use<> {
         let c = self.config.colour;
         let appearance = track.appearance;
-        let taught = track.missed() % 2 == 1;
-        let first =
-            if taught { appearance.learnt_matcher(c.alpha_256) } else { appearance.matcher(c.alpha_256) };
-        core::iter::once(first).chain(c.retries.into_iter().chain(c.global_retries).map(move |retry| {
-            if taught { appearance.learnt_matcher_near(retry) } else { appearance.matcher_near(retry) }
-        }))
+        let retries = c.retries.into_iter().chain(c.global_retries);
+        let now = core::iter::once(appearance.matcher(c.alpha_256))
+            .chain(retries.clone().map(move |retry| appearance.matcher_near(retry)));
+        let taught = core::iter::once(appearance.learnt_matcher(c.alpha_256))
+            .chain(retries.map(move |retry| appearance.learnt_matcher_near(retry)));
+        now.chain(taught)
     }
 
     /// Whether a ball expected `at` would stand behind another one that is seen: then its absence is

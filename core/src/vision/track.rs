@@ -67,7 +67,6 @@ pub(super) struct BallTrack {
     velocity: ImagePoint,
     /// Where somebody said that it is: until the next frame.
     placed: Option<ImagePoint>,
-    missed: u16,
     round: u8,
     /// Since when its finds have been doubtful.
     doubtful_since: Option<u64>,
@@ -82,7 +81,6 @@ impl BallTrack {
             last: None,
             velocity: ImagePoint::default(),
             placed: None,
-            missed: 0,
             round: 0,
             doubtful_since: None,
         })
@@ -112,11 +110,6 @@ impl BallTrack {
         self.last.map(|fix| t_us.saturating_sub(fix.t_us))
     }
 
-    /// Frames since it was measured.
-    pub(super) const fn missed(&self) -> u16 {
-        self.missed
-    }
-
     /// The ball was measured. `trusted` is false where the place alone is good, not the motion: after
     /// a jump found by a global search.
     pub(super) fn measured(&mut self, t_us: u64, centre: ImagePoint, trusted: bool) {
@@ -128,11 +121,9 @@ impl BallTrack {
         };
         self.last = Some(Fix { t_us, centre });
         self.placed = None;
-        self.missed = 0;
     }
 
     pub(super) fn missing(&mut self) {
-        self.missed = self.missed.saturating_add(1);
         self.placed = None;
         self.round = 0;
         self.appearance.doubt();
