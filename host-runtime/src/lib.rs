@@ -1,4 +1,26 @@
-//! The host side of Tetrad.
+//! The host side of Tetrad: what surrounds `tetrad-core` on a desktop.
+//!
+//! The path of a frame, and where each part of it lives:
+//!
+//! ```text
+//! SRC --source--> frames --streams--> pairs --pipeline--> observations, motion, pose --output--> files
+//! ```
+//!
+//! [`source`] opens cameras, folders, films and simulated scenes and lends one frame at a time.
+//! [`streams`] reads one or two of them in step and says where they do not match.
+//!
+//! [`learning`] teaches the balls' colours and says in words what cannot be taught; [`colours`] is the
+//! file they are kept in, [`scene_file`] the file that says where the balls are in a recording, and
+//! [`balls`] the list of those that are meant.
+//!
+//! [`pipeline`] joins one tracker a camera with the hand that they see. It knows no files and no
+//! devices: stations and tests feed it frames.
+//!
+//! [`output`] writes results as they come, [`comparison`] measures them against the truth of a
+//! simulated scene.
+//!
+//! [`settings`] turns flags and files into checked settings, [`cli`] runs a command with them, and
+//! [`exit`] carries what went wrong to `main`, which alone prints errors and ends the process.
 
 pub mod balls;
 pub mod cli;

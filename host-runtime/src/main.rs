@@ -1,6 +1,7 @@
 //! The `tetrad` program: parse, run, map to an exit code.
 
 use clap::Parser as _;
+use std::io::Write as _;
 use std::process::ExitCode;
 use tetrad::cli::{self, Cli};
 use tetrad::exit::Exit;
@@ -10,7 +11,8 @@ fn main() -> ExitCode {
     let exit = match cli::run(Cli::parse()) {
         Ok(()) => Exit::Done,
         Err(failure) => {
-            eprintln!("{failure}");
+            // where stderr is closed, the exit code still says it
+            let _ = writeln!(std::io::stderr(), "{failure}");
             failure.exit
         }
     };

@@ -49,6 +49,19 @@ fn a_later_frame_can_be_learnt_from_and_one_beyond_the_end_cannot() {
 }
 
 #[test]
+fn either_camera_of_a_simulated_scene_can_be_taught() {
+    let clip = Clip::of("still", 1);
+    for (camera, view) in ["left", "right"].into_iter().enumerate() {
+        let (u, v) = clip.seed(camera, Ball::Blue);
+        clip.tetrad(&format!("learn --source sim:still --view {view} --at blue={u},{v} --out {view}.toml"))
+            .done();
+    }
+    let [left, right] =
+        ["left.toml", "right.toml"].map(|file| std::fs::read_to_string(clip.path(file)).unwrap());
+    assert_ne!(left, right);
+}
+
+#[test]
 fn every_ball_that_teaches_nothing_is_named_with_its_reason() {
     let clip = Clip::of("static-24px", 1);
     let red = at(&clip, Ball::Red);
@@ -58,6 +71,8 @@ fn every_ball_that_teaches_nothing_is_named_with_its_reason() {
     learn("--at red=640,9").refused(2, &["red at (640, 9)", "outside the picture", "640x480"]);
     learn("--at red=nan,9").refused(2, &["red=nan,9", "red=412,230"]);
     learn("--at pink=9,9").refused(2, &["`pink`"]);
+    learn("").refused(2, &["--at", "--find"]);
+    learn("--find --at red=9,9").refused(2, &["cannot be used with"]);
     learn(&format!("{red} {red}")).refused(2, &["red", "twice"]);
     assert!(!clip.path("c.toml").exists());
 }
@@ -74,4 +89,45 @@ fn the_scan_has_the_threshold_between_ball_and_background() {
     let passes = |i: usize| rows[i][6].parse::<f32>().unwrap() >= rows[i][7].parse::<f32>().unwrap();
     assert!(passes(first) && passes(last) && !passes(first - 1) && !passes(last + 1));
     assert!(!passes(1) && !passes(rows.len() - 1), "background at both ends");
+}
+
+#[test]
+fn a_proposal_is_written_only_when_it_is_confirmed() {
+    let clip = Clip::of("demo", 1);
+    let find = "learn --source left --right-source right --find --out l.toml --out-right r.toml";
+    // the test's standard input is no terminal
+    clip.tetrad(find).refused(2, &["confirm", "--yes"]);
+    assert!(!clip.path("l.toml").exists() && !clip.path("r.toml").exists());
+
+    let ran = clip.tetrad(&format!("{find} --yes --scan scans")).done();
+    assert!(
+        ran.stdout.contains("left (left): score") && ran.stdout.contains("right (right): score"),
+        "{}",
+        ran.stdout
+    );
+    for (camera, file) in ["l.toml", "r.toml"].into_iter().enumerate() {
+        let colours = Colours::parse(&std::fs::read_to_string(clip.path(file)).unwrap(), file).unwrap();
+        for (ball, truth) in Ball::ALL.into_iter().zip(clip.scene.truth(0, camera)) {
+            let at = colours.balls[ball.index()].unwrap().at.unwrap();
+            let (u, v) = truth.outline_centre;
+            let off = (f64::from(at.u) - u).hypot(f64::from(at.v) - v);
+            assert!(off < 2.0, "{file} {}: {off} px", ball.name());
+        }
+    }
+    assert!(clip.path("scans/scan-red.csv").exists() && clip.path("scans/scan-right-yellow.csv").exists());
+    clip.tetrad(
+        "track --left left --right right --colours-left l.toml --colours-right r.toml --arm-mm 80 --out out",
+    )
+    .done();
+}
+
+#[test]
+fn where_there_are_no_balls_nothing_is_proposed() {
+    let clip = Clip::of("still", 1);
+    let grey = vec![128; 64 * 48 * 3];
+    let (rgb, eight) = (png::ColorType::Rgb, png::BitDepth::Eight);
+    common::write_png(&clip.frame("left", 0), (64, 48), rgb, eight, &grey);
+    let find = "learn --source left --find --yes --out l.toml";
+    clip.tetrad(find).refused(1, &["left: no ball found", "red green blue yellow", "--at"]);
+    assert!(!clip.path("l.toml").exists());
 }

@@ -114,6 +114,19 @@ fn a_gap_in_the_numbering_is_tracked_across_and_told() {
 }
 
 #[test]
+fn a_simulated_scene_is_a_source_like_any_other() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = |arguments: &str| common::tetrad(dir.path(), arguments);
+    run("learn --find --yes --source sim:static-16px --right-source sim:static-16px --out l.toml --out-right r.toml")
+        .done();
+    run("track --left sim:static-16px --right sim:static-16px --colours-left l.toml --colours-right r.toml --arm-mm 80 --out out")
+        .done();
+    let summary = json(&dir.path().join("out/summary.json"));
+    let frames = summary["frames"].as_u64();
+    assert!(frames >= Some(1) && summary["pose"]["measured"].as_u64() == frames, "{summary}");
+}
+
+#[test]
 fn the_same_frames_give_the_same_files_twice() {
     let clip = Clip::of("finger", 4);
     let [first, second] = ["one", "two"].map(|out| {

@@ -2,7 +2,7 @@
 //! the truth.
 
 use super::interrupt::Interrupt;
-use super::{make_dir, progress, say};
+use super::{make_dir, note, progress, say};
 use crate::balls::BallSet;
 use crate::comparison::{self, BallCounts, Comparison};
 use crate::exit::{Exit, Failure, OrExit as _};
@@ -14,11 +14,12 @@ use anyhow::Context as _;
 use clap::Args;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use tetrad_core::config::{HandConfig, LearnConfig, TrackerConfig};
+use tetrad_core::config::{HandConfig, LearnConfig, ProposeConfig, TrackerConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::observation::BALLS;
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
+use tetrad_core::vision::learn::propose::propose;
 use tetrad_fixtures::Scene;
 
 pub(super) const EXAMPLES: &str = "\
@@ -133,17 +134,27 @@ impl<'a> Cameras<'a> {
     }
 }
 
-/// Colours as an operator teaches them: pointing at every ball in the first pictures.
+/// Colours as an operator teaches them: the balls that are proposed in the first pictures or, where
+/// none are, those pointed at.
 fn learn(scene: &Scene, cameras: &Cameras<'_>) -> Result<Pipeline, Failure> {
+    let frames = cameras.views()?;
+    let proposal = propose(&frames, &ProposeConfig::default());
     let mut starts = Vec::new();
-    for (view, frame) in CAMERAS.iter().zip(cameras.views()?) {
-        let points = scene.truth(0, view.index()).map(|ball| {
-            let (u, v) = ball.outline_centre;
-            Some(ImagePoint::new(u.round() as f32, v.round() as f32))
-        });
-        let taught = learning::learn_at(&frame, &points, &LearnConfig::default())
-            .with_context(|| format!("nothing learnt from the first picture of the {} camera", view.name()))
-            .or_exit(Exit::Failed)?;
+    for ((view, frame), proposed) in CAMERAS.iter().zip(&frames).zip(&proposal.views) {
+        let name = view.name();
+        let taught = match proposed.balls {
+            Ok(balls) => balls.map(Some),
+            Err(reason) => {
+                note(format_args!("{name}: {reason}; the demo points at them"));
+                let points = scene.truth(0, view.index()).map(|ball| {
+                    let (u, v) = ball.outline_centre;
+                    Some(ImagePoint::new(u.round() as f32, v.round() as f32))
+                });
+                learning::learn_at(frame, &points, &LearnConfig::default())
+                    .with_context(|| format!("nothing learnt from the first picture of the {name} camera"))
+                    .or_exit(Exit::Failed)?
+            }
+        };
         starts.push(learning::start_with(&taught));
     }
     let arms = Arms::equal(scene.arm_m as f32).or_exit(Exit::Failed)?;

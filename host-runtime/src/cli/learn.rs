@@ -1,4 +1,4 @@
-//! `tetrad learn`: teach the balls' colours by pointing at them.
+//! `tetrad learn`: teach the balls' colours, by pointing at them or by confirming a proposal.
 
 use super::{make_dir, note, say};
 use crate::balls::ball_by_name;
@@ -9,14 +9,16 @@ use crate::output::ScanCsv;
 use crate::scene_file::Seeds;
 use crate::source::{self, Frame, Options, Source, View};
 use anyhow::Context as _;
-use clap::Args;
+use clap::{ArgGroup, Args, ValueEnum};
+use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use tetrad_core::config::LearnConfig;
+use tetrad_core::config::{LearnConfig, ProposeConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::Ball;
 use tetrad_core::vision::colour::Reference;
 use tetrad_core::vision::frame::{FrameView, Rgb};
+use tetrad_core::vision::learn::propose::propose;
 use tetrad_core::vision::learn::{HorizontalScan, Learnt};
 
 /// The most columns of a scan: a window of three diameters of 256 pixels.
@@ -27,27 +29,64 @@ Examples:
   Point at the balls in the first frame (pixels; x right, y down, from the top-left pixel):
     tetrad learn --source clip/left --at red=412,230 --at green=455,232 --at blue=410,180 \\
                  --at yellow=398,251 --out left.toml
+  Let the program find the four balls in both cameras, look at what it proposes and confirm:
+    tetrad learn --source /dev/video0 --right-source /dev/video2 --find --out left.toml \\
+                 --out-right right.toml
   Write the horizontal scan through each ball (figures 1, 2 and 5 of the paper) as CSV:
-    tetrad learn --source sim:still --at red=320,240 --out left.toml --scan scans";
+    tetrad learn --source sim:still --find --yes --out left.toml --scan scans";
 
 /// The flags of `tetrad learn`.
 #[derive(Args, Clone, Debug)]
+#[command(group(ArgGroup::new("how").required(true).args(["at", "find"])))]
 pub(super) struct LearnArgs {
     /// The camera: /dev/videoN, a folder of numbered frames, a .y4m file or sim:NAME
     #[arg(long, value_name = "SRC")]
     source: String,
+    /// With sim:NAME: which of its cameras --source is
+    #[arg(long, value_enum, default_value_t = Side::Left)]
+    view: Side,
     /// A point inside a ball, in pixels; once for each ball
-    #[arg(long, value_name = "BALL=X,Y", required = true)]
+    #[arg(long, value_name = "BALL=X,Y")]
     at: Vec<At>,
+    /// Propose the four balls instead of being told where they are
+    #[arg(long)]
+    find: bool,
+    /// With --find: the other camera, whose picture must agree
+    #[arg(long, value_name = "SRC", requires_all = ["find", "out_right"], conflicts_with = "view")]
+    right_source: Option<String>,
+    /// With --find: write what is proposed without asking
+    #[arg(long, requires = "find")]
+    yes: bool,
     /// The frame to learn from, counted from 0
     #[arg(long, value_name = "N", default_value_t = 0)]
     frame: u64,
     /// The colours file to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Write the horizontal scan through each ball as DIR/scan-BALL.csv
+    /// The other camera's colours file
+    #[arg(long, value_name = "FILE", requires = "right_source")]
+    out_right: Option<PathBuf>,
+    /// Write the horizontal scan through each ball as DIR/scan-BALL.csv (DIR/scan-right-BALL.csv)
     #[arg(long, value_name = "DIR")]
     scan: Option<PathBuf>,
+}
+
+/// One of the two cameras of a simulated scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Side {
+    /// The first.
+    Left,
+    /// The second.
+    Right,
+}
+
+impl From<Side> for View {
+    fn from(side: Side) -> Self {
+        match side {
+            Side::Left => Self::Left,
+            Side::Right => Self::Right,
+        }
+    }
 }
 
 /// `red=412,230.5`
@@ -73,23 +112,123 @@ impl FromStr for At {
 
 /// Runs `tetrad learn`.
 pub(super) fn run(args: &LearnArgs) -> Result<(), Failure> {
+    if args.find { find(args) } else { point(args) }
+}
+
+/// Learns at the points given.
+fn point(args: &LearnArgs) -> Result<(), Failure> {
     let seeds = seeds(&args.at)?;
-    let mut source = source::open(&args.source, &Options { view: View::Left, ..Options::default() })?;
-    source.take_notices().iter().for_each(note);
-    let name = &args.source;
-    let frame = nth(source.as_mut(), args.frame)?;
+    let mut camera = Camera::open(&args.source, args.view.into(), &args.out)?;
+    let frame = camera.frame(args.frame)?;
     let (width, height) = (frame.view.width(), frame.view.height());
     let taught = learning::learn_at(&frame.view, &seeds, &LearnConfig::default()).map_err(|refused| {
         let exit = if refused.outside() { Exit::BadArguments } else { Exit::Failed };
-        let what = format!("nothing learnt from frame {} of {name} ({width}x{height})", args.frame);
+        let what = format!("nothing learnt from frame {} of {} ({width}x{height})", args.frame, args.source);
         Failure::new(exit, anyhow::Error::new(refused).context(what))
     })?;
     describe(&taught);
     if let Some(dir) = &args.scan {
-        scans(dir, &frame.view, &taught)?;
+        scans(dir, "scan", &frame.view, &taught)?;
     }
-    let origin = Origin { source: name.clone(), frame: args.frame };
-    save(&args.out, &taught, origin)
+    camera.save(args.frame, &taught)
+}
+
+/// Proposes the four balls and learns them once that is confirmed.
+fn find(args: &LearnArgs) -> Result<(), Failure> {
+    let mut cameras = vec![Camera::open(&args.source, args.view.into(), &args.out)?];
+    if let (Some(source), Some(out)) = (&args.right_source, &args.out_right) {
+        cameras.push(Camera::open(source, View::Right, out)?);
+    }
+    let frames = cameras.iter_mut().map(|camera| camera.frame(args.frame)).collect::<Result<Vec<_>, _>>()?;
+    let views: Vec<_> = frames.iter().map(|frame| frame.view).collect();
+    let proposal = propose(&views, &ProposeConfig::default());
+
+    let mut found: Vec<Taught> = Vec::new();
+    let mut reasons = Vec::new();
+    for ((view, frame), name) in proposal.views.iter().zip(&views).zip(args.names()) {
+        match view.balls {
+            Ok(balls) => {
+                let next = view.runner_up;
+                say(format_args!("{name}: score {:.2} of 1, the next best four have {next:.2}", view.score));
+                let taught = balls.map(Some);
+                describe(&taught);
+                if let Some(dir) = &args.scan {
+                    scans(dir, if found.is_empty() { "scan" } else { "scan-right" }, frame, &taught)?;
+                }
+                found.push(taught);
+            }
+            Err(reason) => reasons.push(format!("{name}: {reason}")),
+        }
+    }
+    if !reasons.is_empty() {
+        return Err(Failure::new(Exit::Failed, anyhow::anyhow!("{}", reasons.join("\n")))
+            .help("point at the balls with --at, as --at red=412,230"));
+    }
+    if !(args.yes || confirmed()?) {
+        return Err(Failure::new(Exit::Failed, anyhow::anyhow!("not confirmed: nothing is written")));
+    }
+    cameras.iter().zip(&found).try_for_each(|(camera, taught)| camera.save(args.frame, taught))
+}
+
+/// Asks on the terminal.
+fn confirmed() -> Result<bool, Failure> {
+    if !io::stdin().is_terminal() {
+        return Err(Failure::bad_arguments("nobody is there to confirm the proposal: nothing is written")
+            .help("run it on a terminal, or give --yes"));
+    }
+    let _ = write!(io::stderr(), "Are these the balls? [y/N] ");
+    let mut answer = String::new();
+    io::stdin().read_line(&mut answer).context("cannot read the answer").or_exit(Exit::Failed)?;
+    Ok(matches!(answer.trim(), "y" | "Y" | "yes"))
+}
+
+impl LearnArgs {
+    /// What the cameras are called in messages.
+    fn names(&self) -> Vec<String> {
+        match &self.right_source {
+            None => vec![self.source.clone()],
+            Some(right) => vec![format!("left ({})", self.source), format!("right ({right})")],
+        }
+    }
+}
+
+/// A source, and the colours file it teaches.
+struct Camera<'a> {
+    source: Box<dyn Source>,
+    out: &'a Path,
+}
+
+impl<'a> Camera<'a> {
+    fn open(spec: &str, view: View, out: &'a Path) -> Result<Self, Failure> {
+        let mut source = source::open(spec, &Options { view, ..Options::default() })?;
+        source.take_notices().iter().for_each(note);
+        Ok(Self { source, out })
+    }
+
+    /// The frame of that index.
+    fn frame(&mut self, index: u64) -> Result<Frame<'_>, Failure> {
+        let name = self.source.info().name.clone();
+        let too_short = |frames| {
+            let counted = "counted from 0";
+            Failure::bad_arguments(format!("--frame {index}: {name} has only {frames} frames, {counted}"))
+        };
+        for skipped in 0..index {
+            if self.source.next()?.is_none() {
+                return Err(too_short(skipped));
+            }
+        }
+        self.source.next()?.ok_or_else(|| too_short(index))
+    }
+
+    fn save(&self, frame: u64, taught: &Taught) -> Result<(), Failure> {
+        let balls = taught.map(|learnt| learnt.as_ref().map(learning::as_colours));
+        let origin = Some(Origin { source: self.source.info().name.clone(), frame });
+        std::fs::write(self.out, Colours { balls, origin }.to_toml())
+            .with_context(|| format!("cannot write {}", self.out.display()))
+            .or_exit(Exit::Failed)?;
+        say(format_args!("colours written to {}", self.out.display()));
+        Ok(())
+    }
 }
 
 fn seeds(at: &[At]) -> Result<Seeds, Failure> {
@@ -100,21 +239,6 @@ fn seeds(at: &[At]) -> Result<Seeds, Failure> {
         }
     }
     Ok(seeds)
-}
-
-/// The frame of that index.
-fn nth(source: &mut dyn Source, index: u64) -> Result<Frame<'_>, Failure> {
-    for skipped in 0..index {
-        if source.next()?.is_none() {
-            return Err(too_short(&source.info().name, skipped, index));
-        }
-    }
-    let name = source.info().name.clone();
-    source.next()?.ok_or_else(|| too_short(&name, index, index))
-}
-
-fn too_short(name: &str, frames: u64, index: u64) -> Failure {
-    Failure::bad_arguments(format!("--frame {index}: {name} has only {frames} frames, counted from 0"))
 }
 
 fn describe(taught: &Taught) {
@@ -137,7 +261,7 @@ fn describe(taught: &Taught) {
     }
 }
 
-fn scans(dir: &Path, frame: &FrameView<'_>, taught: &Taught) -> Result<(), Failure> {
+fn scans(dir: &Path, prefix: &str, frame: &FrameView<'_>, taught: &Taught) -> Result<(), Failure> {
     make_dir(dir)?;
     let config = LearnConfig::default();
     for (ball, learnt) in Ball::ALL.into_iter().zip(taught) {
@@ -147,17 +271,7 @@ fn scans(dir: &Path, frame: &FrameView<'_>, taught: &Taught) -> Result<(), Failu
             HorizontalScan::<SCAN_COLUMNS>::through(frame, reference, config.alpha_256, *centre, *diameter)
                 .with_context(|| format!("no scan through the {} ball", ball.name()))
                 .or_exit(Exit::Failed)?;
-        ScanCsv::write(dir, &format!("scan-{}.csv", ball.name()), &scan).or_exit(Exit::Failed)?;
+        ScanCsv::write(dir, &format!("{prefix}-{}.csv", ball.name()), &scan).or_exit(Exit::Failed)?;
     }
-    Ok(())
-}
-
-fn save(path: &Path, taught: &Taught, origin: Origin) -> Result<(), Failure> {
-    let balls = taught.map(|learnt| learnt.as_ref().map(learning::as_colours));
-    let text = Colours { balls, origin: Some(origin) }.to_toml();
-    std::fs::write(path, text)
-        .with_context(|| format!("cannot write {}", path.display()))
-        .or_exit(Exit::Failed)?;
-    say(format_args!("colours written to {}", path.display()));
     Ok(())
 }
