@@ -42,7 +42,7 @@ const MAX_SECONDS: f64 = 86_400.0;
 const PICTURE: &str = "seen.png";
 
 /// When that picture is taken in a run without an end, simulated seconds.
-const PICTURE_AFTER_S: f64 = 3.0;
+const PICTURE_AFTER_S: f64 = 1.0;
 
 /// The cameras' names, in the scene's order.
 const CAMERAS: [View; 2] = [View::Left, View::Right];
