@@ -220,8 +220,13 @@ impl<'a> Locator<'a> {
 
     /// The typical colours of the other balls: what looks more like one of them is not this one.
     fn rivals(&self, k: usize) -> heapless::Vec<Rgb, BALLS> {
+        let mut rivals = heapless::Vec::new();
         let others = self.tracks.iter().enumerate().filter(|(l, _)| *l != k);
-        others.filter_map(|(_, track)| track.as_ref().map(|t| t.appearance.current().typical)).collect()
+        for track in others.filter_map(|(_, track)| track.as_ref()) {
+            // There are as many places as balls. (Collecting into a heapless vector has a panic path.)
+            let _ = rivals.push(track.appearance.current().typical);
+        }
+        rivals
     }
 
     /// Eq. 1 as it is now, then nearer and nearer to the typical pixel; the same with the colours that
