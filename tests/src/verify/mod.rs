@@ -131,6 +131,12 @@ pub const CHECKS: &[Check] = &[
         run: program::demo,
     },
     Check {
+        name: "footage",
+        protects: "labelled balls in real footage are found, and nothing else is",
+        quick: false,
+        run: program::footage,
+    },
+    Check {
         name: "readme",
         protects: "the commands that README names exist",
         quick: false,

@@ -1,4 +1,5 @@
-//! The program itself: the demo runs, and README names nothing that is not there.
+//! The program itself: the demo runs, real footage is tracked, and README names nothing that is not
+//! there.
 
 use super::{Context, Outcome};
 use std::collections::BTreeSet;
@@ -31,6 +32,24 @@ pub(super) fn demo(context: &Context) -> Outcome {
             return Outcome::fail(format!("the demo did not print its {figure}:\n{}", run.output));
         }
     }
+    let outcome = run.outcome();
+    if run.ok { outcome.showing(run.output) } else { outcome }
+}
+
+pub(super) fn footage(context: &Context) -> Outcome {
+    if crate::shared().is_none() {
+        return Outcome::skip(&context.check, "no shared footage: name its folder in TETRAD_SHARED");
+    }
+    if Command::new("python3").arg("--version").output().is_err() {
+        return Outcome::skip(&context.check, "missing: python3");
+    }
+    let program = match build(context) {
+        Ok(program) => program,
+        Err(failure) => return failure,
+    };
+    let mut script = Command::new("python3");
+    script.args(["tests/scripts/footage.py", "--tetrad"]).arg(program).current_dir(&context.repository);
+    let run = context.run(&mut script, BUILD_LIMIT);
     let outcome = run.outcome();
     if run.ok { outcome.showing(run.output) } else { outcome }
 }

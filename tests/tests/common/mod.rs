@@ -2,12 +2,14 @@
 //! and every frame is tracked beside its truth.
 #![allow(dead_code, reason = "each test file uses its part")]
 
-use tetrad_core::config::TrackerConfig;
+use tetrad::learning::tracked_as;
+use tetrad_core::config::{LearnConfig, TrackerConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::{BALLS, Ball, Observation, ObservationState};
 use tetrad_core::vision::appearance::LearntBall;
-use tetrad_core::vision::colour::{Primary, Reference};
-use tetrad_core::vision::frame::{FrameView, PixelFormat, Rgb};
+use tetrad_core::vision::colour::Primary;
+use tetrad_core::vision::frame::{FrameView, PixelFormat};
+use tetrad_core::vision::learn::learn;
 use tetrad_core::vision::tracker::{CameraTracker, StepReport};
 use tetrad_fixtures::{BallTruth, Scene};
 
@@ -91,36 +93,9 @@ pub(crate) fn centre(truth: &BallTruth) -> ImagePoint {
     ImagePoint::new(truth.outline_centre.0 as f32, truth.outline_centre.1 as f32)
 }
 
-/// A ball's colours as the mean of its inner half and of the ring around it.
+/// A ball as it is learnt from one point inside it.
 fn learnt(view: &FrameView<'_>, ball: Ball, truth: &BallTruth) -> LearntBall {
-    let ball_colour = mean_colour(view, truth, 0.0, 0.6);
-    let reference = Reference {
-        primary: Primary::of(ball),
-        reference: ball_colour,
-        typical: ball_colour,
-        background: mean_colour(view, truth, 1.5, 2.0),
-    };
-    LearntBall { reference, diameter: truth.diameter as f32, aspect: 1.0 }
-}
-
-/// The mean colour of the pixels between two distances from a ball's centre, in its radii.
-fn mean_colour(view: &FrameView<'_>, truth: &BallTruth, from: f64, to: f64) -> Rgb {
-    let (u, v) = truth.outline_centre;
-    let radius = truth.diameter / 2.0;
-    let reach = (to * radius).ceil() as i32 + 1;
-    let mut sum = [0_u64; 3];
-    let mut count = 0;
-    for y in v as i32 - reach..=v as i32 + reach {
-        for x in u as i32 - reach..=u as i32 + reach {
-            let distance = (f64::from(x) - u).hypot(f64::from(y) - v) / radius;
-            if (from..=to).contains(&distance)
-                && let Some(p) = view.pixel(x, y)
-            {
-                sum.iter_mut().zip([p.r, p.g, p.b]).for_each(|(s, c)| *s += u64::from(c));
-                count += 1;
-            }
-        }
-    }
-    let [r, g, b] = sum.map(|s| (s / count) as u8);
-    Rgb::new(r, g, b)
+    let learnt = learn(view, Primary::of(ball), centre(truth), &LearnConfig::default());
+    let learnt = learnt.unwrap_or_else(|refused| panic!("{}: {refused}", ball.name()));
+    tracked_as(&learnt)
 }
