@@ -12,8 +12,8 @@ use super::frame::{FrameView, Rgb};
 use super::occlusion::touch;
 use super::reacquire::{Places, choose, gate, suggested};
 use super::search::Region;
-use super::track::{BallTrack, Mode, Tracks};
-use crate::config::{MAX_CANDIDATES, Retry, TrackerConfig};
+use super::track::{Attempt, BallTrack, Mode, Tracks};
+use crate::config::{MAX_CANDIDATES, TrackerConfig};
 use crate::geometry::ImagePoint;
 use crate::observation::BALLS;
 
@@ -24,6 +24,8 @@ pub(super) struct Find {
     pub(super) score: f32,
     pub(super) mode: Mode,
     pub(super) matcher: Matcher,
+    /// Which threshold gave it, where a window did.
+    pub(super) attempt: Attempt,
     /// Whether it is seen whole.
     pub(super) whole: bool,
     /// Whether another ball is so near that it may hide a part of it.
@@ -34,7 +36,16 @@ pub(super) struct Find {
 impl Find {
     fn new(candidate: Candidate, mode: Mode) -> Self {
         let Candidate { blob, matcher, score } = candidate;
-        Self { blob, score, mode, matcher, whole: false, touching: false, centre: blob.centre }
+        Self {
+            blob,
+            score,
+            mode,
+            matcher,
+            attempt: Attempt::AsBefore,
+            whole: false,
+            touching: false,
+            centre: blob.centre,
+        }
     }
 }
 
@@ -51,18 +62,6 @@ pub(super) fn places(finds: &Finds) -> Places {
         *place = find.as_ref().map(|f| f.centre);
     }
     places
-}
-
-/// The thresholds of eq. 1 that are tried in turn while a window gives no ball worth the name.
-#[derive(Clone, Copy, Debug)]
-enum Attempt {
-    /// With the background of the previous frame.
-    AsBefore,
-    /// With the background around the place where the ball is expected now: it may have moved from
-    /// in front of one thing to in front of another.
-    BackgroundHere,
-    /// Near the typical colour, whatever the background.
-    Near(Retry),
 }
 
 /// The searches of one frame.
@@ -142,22 +141,31 @@ impl<'a> Locator<'a> {
         let expected =
             Expectation::nearby(&track.clean, aspect, c.occlusion.hidden_share, &c.search, &c.shape);
         let mut best: Option<Find> = None;
-        let first = [Attempt::AsBefore, Attempt::BackgroundHere];
-        for attempt in first.into_iter().chain(c.colour.retries.map(Attempt::Near)) {
+        for attempt in self.attempts(track) {
             let Some(matcher) = self.matcher_for(attempt, track, at) else { continue };
             let search = self.search(k, track, &matcher, expected);
             let (found, left) = search.in_window(region, self.scratch, self.tested);
             if let Some(candidate) = found
                 && best.is_none_or(|b| candidate.score > b.score)
             {
-                best = Some(Find::new(candidate, mode));
+                best = Some(Find { attempt, ..Find::new(candidate, mode) });
             }
-            let good = best.is_some_and(|b| b.score >= c.shape.good_score);
+            let good =
+                best.is_some_and(|b| b.score >= c.shape.good_score || track.is_as_good(b.attempt, b.score));
             if good || !left {
                 break;
             }
         }
         best
+    }
+
+    /// Eq. 1 as it was, then what gave the best find in the previous frame, then all the others.
+    fn attempts(&self, track: &BallTrack) -> impl Iterator<Item = Attempt> + use<> {
+        let usual = track.usual_attempt();
+        let retries = self.config.colour.retries.map(Attempt::Near);
+        let others = core::iter::once(Attempt::BackgroundHere).chain(retries);
+        let second = (usual != Attempt::AsBefore).then_some(usual);
+        core::iter::once(Attempt::AsBefore).chain(second).chain(others.filter(move |other| *other != usual))
     }
 
     fn matcher_for(&mut self, attempt: Attempt, track: &BallTrack, at: ImagePoint) -> Option<Matcher> {

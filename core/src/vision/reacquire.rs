@@ -23,6 +23,12 @@ const COST_OF_A_PAIR: f32 = 0.4;
 /// Distance between two balls, in diameters, that is unlikely for any frame of four balls.
 const FAR_DIAMETERS: f32 = 25.0;
 
+/// How many times the largest distance among the other balls one of a rigid frame may stand away ...
+const STRAY_SPREADS: f32 = 2.5;
+
+/// ... and how many of its own diameters more: the others may happen to stand behind each other.
+const STRAY_DIAMETERS: f32 = 3.0;
+
 /// What is found of each ball in the present frame: `None` while it is not.
 pub(super) type Places = [Option<ImagePoint>; BALLS];
 
@@ -69,6 +75,27 @@ pub(super) fn gate(
     let radius = spread(ball) * (config.gate_spread + config.gate_growth * seconds * seconds)
         + 1.5 * ball.clean.diameter;
     Region::square(centre.u, centre.v, 2.0 * radius, width, height)
+}
+
+/// Which find stands so far from all others that it cannot be a ball of the same rigid frame: further
+/// from the nearest of them than [`STRAY_SPREADS`] times the largest distance among them. `None` when
+/// there is none, or fewer than three balls to judge by.
+pub(super) fn stray(places: &Places, diameters: &[f32; BALLS]) -> Option<usize> {
+    let mut farthest: Option<(usize, f32)> = None;
+    for (k, (place, diameter)) in places.iter().zip(diameters).enumerate() {
+        let Some(place) = place else { continue };
+        let others = || places.iter().enumerate().filter(move |(l, _)| *l != k).filter_map(|(_, p)| *p);
+        if others().count() < GATE_BALLS {
+            return None;
+        }
+        let nearest = others().map(|other| place.distance(other)).fold(f32::INFINITY, f32::min);
+        let among = others().flat_map(|a| others().map(move |b| a.distance(b))).fold(0.0, f32::max);
+        let excess = nearest - STRAY_SPREADS * among - STRAY_DIAMETERS * diameter;
+        if excess > 0.0 && farthest.is_none_or(|(_, most)| excess > most) {
+            farthest = Some((k, excess));
+        }
+    }
+    farthest.map(|(k, _)| k)
 }
 
 /// Picks at most one candidate of each ball so that together they score best: each by its own score,

@@ -2,17 +2,27 @@
 
 use super::appearance::{Appearance, LearntBall, LearntBallError};
 use super::centre::Clean;
+use crate::config::Retry;
 use crate::geometry::ImagePoint;
 use crate::observation::BALLS;
 
 /// How far ahead the linear prediction reaches, microseconds: past that a hand has turned round.
 const MAX_EXTRAPOLATION_US: u64 = 150_000;
 
+/// A global search for something better than a doubtful find is made once in this time, microseconds.
+const SECOND_LOOK_US: u64 = 100_000;
+
 /// Two measurements further apart than this say nothing about the present speed, microseconds.
 const MAX_SPEED_BASE_US: u64 = 250_000;
 
 /// Frames in a row in which a ball must look round before a sudden change of size is believed.
 const ROUND_FRAMES: u8 = 2;
+
+/// A find with so much of the last one's score is as good as that ...
+const STEADY_SHARE: f32 = 0.9;
+
+/// ... if it is not too poor a find anyway.
+const STEADY_SCORE: f32 = 0.2;
 
 /// Which search found a ball, or why none did (figure 4).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +55,19 @@ impl Mode {
     }
 }
 
+/// The thresholds of eq. 1 that are tried in turn while a window gives no ball worth the name.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) enum Attempt {
+    /// With the background of the previous frame.
+    #[default]
+    AsBefore,
+    /// With the background around the place where the ball is expected now: it may have moved from
+    /// in front of one thing to in front of another.
+    BackgroundHere,
+    /// Near the typical colour, whatever the background.
+    Near(Retry),
+}
+
 /// A place at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Fix {
@@ -68,6 +91,8 @@ pub(super) struct BallTrack {
     /// Where somebody said that it is: until the next frame.
     placed: Option<ImagePoint>,
     round: u8,
+    /// Which threshold gave the last find in a window, and its score.
+    settled: (Attempt, f32),
     /// Since when its finds have been doubtful.
     doubtful_since: Option<u64>,
 }
@@ -82,6 +107,7 @@ impl BallTrack {
             velocity: ImagePoint::default(),
             placed: None,
             round: 0,
+            settled: (Attempt::AsBefore, 0.0),
             doubtful_since: None,
         })
     }
@@ -136,10 +162,35 @@ impl BallTrack {
         self.round > ROUND_FRAMES
     }
 
-    /// For how long its finds have been doubtful, this one included, microseconds.
-    pub(super) fn doubted_us(&mut self, doubtful: bool, t_us: u64) -> u64 {
-        self.doubtful_since = if doubtful { self.doubtful_since.or(Some(t_us)) } else { None };
-        self.doubtful_since.map_or(0, |since| t_us.saturating_sub(since))
+    /// Which threshold gave the last find in a window.
+    pub(super) const fn usual_attempt(&self) -> Attempt {
+        self.settled.0
+    }
+
+    /// Whether a find is as good as the last one, by the same threshold: then no other is tried.
+    pub(super) fn is_as_good(&self, attempt: Attempt, score: f32) -> bool {
+        let (usual, last) = self.settled;
+        attempt == usual && score >= STEADY_SHARE * last && score >= STEADY_SCORE
+    }
+
+    pub(super) const fn settle(&mut self, attempt: Attempt, score: f32) {
+        self.settled = (attempt, score);
+    }
+
+    /// Notes whether its find is doubtful. Says whether it is time to look for a better one in the
+    /// whole picture: when doubt has lasted for `patience_us`, and then now and again.
+    pub(super) fn doubt(&mut self, doubtful: bool, t_us: u64, patience_us: u64) -> bool {
+        if !doubtful {
+            self.doubtful_since = None;
+            return false;
+        }
+        let since = *self.doubtful_since.get_or_insert(t_us);
+        let due = t_us.saturating_sub(since) > patience_us;
+        if due {
+            // The next look is due a while after this one.
+            self.doubtful_since = Some(t_us.saturating_sub(patience_us).saturating_add(SECOND_LOOK_US));
+        }
+        due
     }
 
     pub(super) fn forget(&mut self) {

@@ -13,7 +13,7 @@ use super::detect::Scratch;
 use super::frame::FrameView;
 use super::locate::{Doubtful, Find, Finds, Locator, places};
 use super::occlusion::{Seen, centre_behind, centre_beyond_the_edge, is_hidden_by, touch};
-use super::reacquire::{Places, suggested};
+use super::reacquire::{Places, stray, suggested};
 use super::search::Region;
 pub use super::track::Mode;
 use super::track::{BallTrack, Tracks};
@@ -137,6 +137,7 @@ impl CameraTracker {
         for (find, doubtful) in finds.iter_mut().zip(doubtful) {
             *find = find.or(doubtful.map(|(find, _)| find));
         }
+        self.drop_stray(&mut finds);
         self.judge_whole(&mut finds);
         self.place_hidden(frame, &mut finds, &mut report.tested);
         self.validate(&finds, &predicted, &mut report);
@@ -171,12 +172,29 @@ impl CameraTracker {
         for ((find, aside), track) in finds.iter_mut().zip(&mut aside).zip(&mut self.tracks) {
             let (Some(found), Some(track)) = (&find, track) else { continue };
             let doubtful = found.score < shape.doubtful_score && !found.blob.cut;
-            let lasting = track.doubted_us(doubtful, t_us) > shape.doubt_us;
+            let lasting = track.doubt(doubtful, t_us, shape.doubt_us);
             if doubtful {
                 *aside = find.take().map(|find| (find, lasting));
             }
         }
         aside
+    }
+
+    /// A thing of a ball's colour far from the hand: neither found nor remembered.
+    fn drop_stray(&mut self, finds: &mut Finds) {
+        if !self.config.rigid {
+            return;
+        }
+        let mut diameters = [0.0; BALLS];
+        for (diameter, track) in diameters.iter_mut().zip(&self.tracks) {
+            *diameter = track.as_ref().map_or(0.0, |t| t.clean.diameter);
+        }
+        if let Some(k) = stray(&places(finds), &diameters)
+            && let (Some(find), Some(Some(track))) = (finds.get_mut(k), self.tracks.get_mut(k))
+        {
+            *find = None;
+            track.forget();
+        }
     }
 
     fn judge_whole(&mut self, finds: &mut Finds) {
@@ -284,6 +302,7 @@ impl CameraTracker {
             if let Some(find) = find {
                 let moves = find.mode != Mode::Global && find.score >= self.config.shape.doubtful_score;
                 track.measured(t_us, find.centre, moves);
+                track.settle(find.attempt, find.score);
                 track.companions = places;
                 if let Some(own) = track.companions.get_mut(k) {
                     *own = None;

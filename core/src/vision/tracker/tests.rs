@@ -206,6 +206,32 @@ fn something_of_the_same_colour_elsewhere_is_not_the_lost_ball() {
     }
 }
 
+/// The whole hand vanishes and something green stands far away: it is not the green ball once the
+/// others are back.
+#[test]
+fn a_stray_find_is_given_up_for_the_ball() {
+    let mut tracker = tracker(TrackerConfig::default());
+    for frame in 0..5 {
+        step(&mut tracker, &with_balls(PLACES), frame);
+    }
+    let mut gone = Painter::new();
+    gone.ball(Ball::Green, 20.0, 160.0, D);
+    for frame in 5..60 {
+        step(&mut tracker, &gone, frame);
+    }
+    let places = PLACES.map(|(u, v)| (u * 0.5 + 120.0, v * 0.5 - 10.0));
+    for frame in 60..66 {
+        let mut back = with_balls(places);
+        back.ball(Ball::Green, 20.0, 160.0, D);
+        let report = step(&mut tracker, &back, frame);
+        if frame >= 63 {
+            for ball in Ball::ALL {
+                assert!(off(&report, ball, places[ball.index()]) < 1.0, "{ball:?} in frame {frame}");
+            }
+        }
+    }
+}
+
 #[test]
 fn balls_that_move_on_their_own_are_found_anywhere() {
     let mut tracker = tracker(TrackerConfig { rigid: false, ..TrackerConfig::default() });
