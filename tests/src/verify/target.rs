@@ -5,7 +5,7 @@
 //! our own, and everything else is a plain stable build on it. That sysroot has no `alloc` at all.
 
 use super::packages;
-use super::{Context, Outcome};
+use super::{Context, Outcome, Run};
 use std::ffi::OsString;
 use std::fs;
 use std::io;
@@ -144,26 +144,42 @@ fn write_empty_library(package: &Path) -> io::Result<()> {
 }
 
 pub(super) fn build(context: &Context) -> Outcome {
-    with_toolchain(context, &["build", "--locked", "--release", "--package", "tetrad-core"], &[])
+    with_toolchain(context, |cargo| {
+        cargo(&["build", "--locked", "--release", "--package", "tetrad-core"], &[])
+    })
 }
 
 pub(super) fn build_defmt(context: &Context) -> Outcome {
-    let build = ["build", "--locked", "--release", "--package", "tetrad-core", "--features", "defmt"];
-    with_toolchain(context, &build, &[])
+    with_toolchain(context, |cargo| {
+        cargo(&["build", "--locked", "--release", "--package", "tetrad-core", "--features", "defmt"], &[])
+    })
 }
 
+/// Core, and the programs that are linked for the target.
 pub(super) fn clippy(context: &Context) -> Outcome {
     let lints = ["--", "--deny", "warnings"];
-    with_toolchain(
-        context,
-        &["clippy", "--locked", "--package", "tetrad-core", "--features", "defmt"],
-        &lints,
-    )
+    with_toolchain(context, |cargo| {
+        let core = cargo(&["clippy", "--locked", "--package", "tetrad-core", "--features", "defmt"], &lints);
+        if !core.ok {
+            return core;
+        }
+        let folder = context.target.join("no-panic").display().to_string();
+        let manifest = ["--manifest-path", "tests/no-panic/Cargo.toml", "--target-dir", &folder];
+        cargo(&[&["clippy", "--locked", "--bins"][..], &manifest].concat(), &lints)
+    })
 }
 
-fn with_toolchain(context: &Context, arguments: &[&str], after: &[&str]) -> Outcome {
+/// Runs cargo with arguments before and after those that choose the target.
+type Cargo<'a> = dyn Fn(&[&str], &[&str]) -> Run + 'a;
+
+fn with_toolchain(context: &Context, work: impl FnOnce(&Cargo<'_>) -> Run) -> Outcome {
     match Toolchain::find(context) {
         Err(missing) => Outcome::skip(&context.check, missing),
-        Ok(toolchain) => context.run(toolchain.cargo(context, arguments).args(after), LIMIT).outcome(),
+        Ok(toolchain) => {
+            let cargo = |before: &[&str], after: &[&str]| {
+                context.run(toolchain.cargo(context, before).args(after), LIMIT)
+            };
+            work(&cargo).outcome()
+        }
     }
 }
