@@ -7,7 +7,7 @@
 use super::colour::{ColourError, FRACTION, FULL_SCALE, Matcher, Reference, matching};
 use super::frame::{FrameView, Rgb};
 use crate::config::{MAX_DIAMETER, Retry, ValidationConfig};
-use crate::geometry::ImagePoint;
+use crate::geometry::{ImagePoint, round_to_i32};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -103,8 +103,8 @@ pub fn background_around(
     let mut ring: heapless::Vec<(i32, Rgb), 16> = heapless::Vec::new();
     let (a, b) = (width * 0.5 * RING_SHARE + RING_PIXELS, height * 0.5 * RING_SHARE + RING_PIXELS);
     for (cos, sin) in RING {
-        let x = libm::roundf(centre.u + a * cos) as i32;
-        let y = libm::roundf(centre.v + b * sin) as i32;
+        let x = round_to_i32(centre.u + a * cos);
+        let y = round_to_i32(centre.v + b * sin);
         if let Some(colour) = frame.pixel(x, y) {
             *tested += 1;
             let m = matcher.matching(colour);

@@ -59,14 +59,20 @@ impl Primary {
     #[inline]
     #[must_use]
     pub const fn luminance(self, p: Rgb) -> i32 {
-        let (r, g, b) = (p.r as i32, p.g as i32, p.b as i32);
+        let [base, r, g, b] = self.coefficients();
+        base + r * p.r as i32 + g * p.g as i32 + b * p.b as i32
+    }
+
+    /// 765 V as base + r c1 + g c2 + b c3: 1 for a component that the colour has, -1 and 255 in the
+    /// base for one that it has not.
+    const fn coefficients(self) -> [i32; 4] {
         match self {
-            Self::Red => r + (255 - g) + (255 - b),
-            Self::Green => (255 - r) + g + (255 - b),
-            Self::Blue => (255 - r) + (255 - g) + b,
-            Self::Yellow => r + g + (255 - b),
-            Self::Magenta => r + (255 - g) + b,
-            Self::Cyan => (255 - r) + g + b,
+            Self::Red => [510, 1, -1, -1],
+            Self::Green => [510, -1, 1, -1],
+            Self::Blue => [510, -1, -1, 1],
+            Self::Yellow => [255, 1, 1, -1],
+            Self::Magenta => [255, 1, -1, 1],
+            Self::Cyan => [255, -1, 1, 1],
         }
     }
 }
@@ -138,6 +144,8 @@ pub struct Matcher {
     threshold: i32,
     /// 1 for M = V - D, 0 for V alone.
     distance_weight: i32,
+    /// [`FRACTION`] (765 V) - threshold as base + r c1 + g c2 + b c3: made ready for every pixel.
+    excess: [i32; 4],
 }
 
 impl Matcher {
@@ -152,7 +160,7 @@ impl Matcher {
             return Err(ColourError::NoContrast);
         }
         let threshold = of_background + (of_typical - of_background) * alpha_256 as i32 / 256;
-        Ok(Self { primary: reference.primary, reference: reference.reference, threshold, distance_weight: 1 })
+        Ok(Self::with_threshold(reference.primary, reference.reference, threshold))
     }
 
     /// A matcher with a threshold given outright, in units of 1 / [`FULL_SCALE`]; values beyond the
@@ -166,7 +174,9 @@ impl Matcher {
         } else {
             threshold
         };
-        Self { primary, reference, threshold, distance_weight: 1 }
+        let [base, r, g, b] = primary.coefficients();
+        let excess = [base * FRACTION - threshold, r * FRACTION, g * FRACTION, b * FRACTION];
+        Self { primary, reference, threshold, distance_weight: 1, excess }
     }
 
     /// A matcher by V alone, with a threshold in units of 1 / [`FULL_SCALE`]: for when nothing is
@@ -198,7 +208,8 @@ impl Matcher {
     #[inline]
     #[must_use]
     pub const fn accepts(&self, p: Rgb) -> bool {
-        let excess = self.primary.luminance(p) * FRACTION - self.threshold;
+        let [base, r, g, b] = self.excess;
+        let excess = base + r * p.r as i32 + g * p.g as i32 + b * p.b as i32;
         // excess <= 2 * 12,240 and 3 S <= 585,225: the squares stay below 6e8, inside an i32
         excess >= 0
             && excess * excess

@@ -8,7 +8,7 @@
 
 use super::centre::{Blob, Clean, row_edge_centre};
 use super::colour::{FULL_SCALE, Matcher, distance_squared};
-use super::edges::{Abandoned, RowEdges, SpiralLimits};
+use super::edges::{RowEdges, SpiralLimits};
 use super::frame::{FrameView, Rgb};
 use super::search::{Region, UniformSearch};
 use crate::config::{MAX_CANDIDATES, MAX_ROWS, SearchConfig, ShapeConfig};
@@ -214,22 +214,18 @@ impl Search<'_> {
                 continue;
             }
             let outcome = scratch.edges.collect(self.frame, self.matcher, (x, y), limits, tested);
+            left = true;
+            if outcome.is_ok()
+                && let Some(blob) = row_edge_centre(self.frame, &scratch.edges)
+                && blob.matched >= self.expected.min_matched
+                && self.no_larger_than_expected(&blob)
+                && !self.is_a_rival(blob.colour)
+                && judge(Candidate { blob, matcher: *self.matcher, score: self.score(&blob) })
+            {
+                break;
+            }
             cells.mark_rows(&mut scratch.explored, &scratch.edges);
             cells.mark(&mut scratch.explored, x, y);
-            match outcome {
-                Ok(()) => {
-                    left = true;
-                    if let Some(blob) = row_edge_centre(self.frame, &scratch.edges)
-                        && blob.matched >= self.expected.min_matched
-                        && self.no_larger_than_expected(&blob)
-                        && !self.is_a_rival(blob.colour)
-                        && judge(Candidate { blob, matcher: *self.matcher, score: self.score(&blob) })
-                    {
-                        break;
-                    }
-                }
-                Err(Abandoned::NoMatch | Abandoned::Inconsistent | Abandoned::Unbounded) => left = true,
-            }
         }
         left
     }

@@ -24,6 +24,13 @@ pub struct RowExtent {
 impl RowExtent {
     const EMPTY: Self = Self { first: i16::MAX, last: i16::MIN };
 
+    /// Whether column `x` is at most `gap` unmatched pixels away. Never for an empty row: its ends lie
+    /// beyond any column.
+    #[inline]
+    const fn reaches(self, x: i32, gap: i32) -> bool {
+        x >= self.first as i32 - 1 - gap && x <= self.last as i32 + 1 + gap
+    }
+
     const fn is_empty(self) -> bool {
         self.first > self.last
     }
@@ -32,10 +39,6 @@ impl RowExtent {
     #[must_use]
     pub const fn pixels(self) -> i32 {
         if self.is_empty() { 0 } else { self.last as i32 - self.first as i32 + 1 }
-    }
-
-    const fn reaches(self, x: i32, gap: i32) -> bool {
-        !self.is_empty() && x >= self.first as i32 - 1 - gap && x <= self.last as i32 + 1 + gap
     }
 }
 
@@ -66,10 +69,9 @@ pub struct RowEdges {
     rows: [RowExtent; MAX_ROWS],
     /// Row 0 of the table in picture coordinates.
     top: i32,
-    first_row: i32,
-    last_row: i32,
-    min_x: i32,
-    max_x: i32,
+    /// The row that the spiral started in, and how many rows above and below it may be matched.
+    seed_row: i32,
+    reach: i32,
     matched: u32,
     sum: [u32; 3],
 }
@@ -84,20 +86,10 @@ impl RowEdges {
     /// An empty table.
     #[must_use]
     pub const fn new() -> Self {
-        Self {
-            rows: [RowExtent::EMPTY; MAX_ROWS],
-            top: 0,
-            first_row: i32::MAX,
-            last_row: i32::MIN,
-            min_x: i32::MAX,
-            max_x: i32::MIN,
-            matched: 0,
-            sum: [0; 3],
-        }
+        Self { rows: [RowExtent::EMPTY; MAX_ROWS], top: 0, seed_row: 0, reach: 0, matched: 0, sum: [0; 3] }
     }
 
-    /// Runs a spiral from (`x`, `y`) and keeps the edges of the
-    /// blob it starts in. Ends when a whole turn adds nothing. `tested` grows by the pixels looked at.
+    /// Runs a spiral from (`x`, `y`) and keeps the edges of the blob it starts in. Ends when a whole turn adds nothing. `tested` grows by the pixels read.
     ///
     /// # Errors
     /// [`Abandoned`]; the rows then hold what was matched so far.
@@ -110,92 +102,111 @@ impl RowEdges {
         tested: &mut u32,
     ) -> Result<(), Abandoned> {
         self.restart(y);
-        let mut visited = 0u32;
+        let matcher = *matcher;
+        let frame = *frame;
+        *tested += 1;
+        match frame.pixel(x, y) {
+            Some(colour) if matcher.accepts(colour) => self.add(x, y, colour),
+            _ => return Err(Abandoned::NoMatch),
+        }
+        let (mut visited, mut read) = (1u32, 0u32);
         let mut added_in_turn = 0u32;
+        // A spiral of n pixels a segment reaches (n + 1) / 2 to either side.
+        let reach = limits.side as i32 / 2 + 2;
+        let far_from_border = frame.contains(x - reach, y - reach) && frame.contains(x + reach, y + reach);
         let mut spiral = Spiral::new(x, y, limits.side);
+        spiral.next();
+        self.reach = 1;
         while let Some((px, py)) = spiral.next() {
-            if let Some(colour) = frame.pixel(px, py) {
+            // What does not touch the blob would not count if it matched: it is not even read.
+            if far_from_border || frame.contains(px, py) {
                 visited += 1;
-                if matcher.accepts(colour) && self.add(px, py, colour) {
-                    added_in_turn += 1;
+                if self.touches(px, py) {
+                    read += 1;
+                    if let Some(colour) = frame.pixel_inside(px as usize, py as usize)
+                        && matcher.accepts(colour)
+                    {
+                        self.add(px, py, colour);
+                        added_in_turn += 1;
+                    }
                 }
-            }
-            if self.matched == 0 {
-                *tested += visited;
-                return Err(Abandoned::NoMatch);
             }
             if spiral.closed_a_turn() {
                 if added_in_turn == 0 {
-                    *tested += visited;
+                    *tested += read;
                     return Ok(());
                 }
                 if visited > 64 && self.matched * 256 < visited * limits.min_match_256 {
-                    *tested += visited;
+                    *tested += read;
                     return Err(Abandoned::Inconsistent);
                 }
                 added_in_turn = 0;
+                self.reach = (self.reach + 1).min((MAX_ROWS / 2) as i32);
             }
         }
-        *tested += visited;
+        *tested += read;
         Err(Abandoned::Unbounded)
     }
 
     fn restart(&mut self, seed_row: i32) {
-        if self.first_row <= self.last_row {
-            let from = (self.first_row - self.top).max(0) as usize;
-            let count = (self.last_row - self.first_row + 1).max(0) as usize;
-            for row in self.rows.iter_mut().skip(from).take(count) {
-                *row = RowExtent::EMPTY;
-            }
+        let from = self.index(self.seed_row - self.reach).min(MAX_ROWS);
+        for row in self.rows.iter_mut().skip(from).take((2 * self.reach + 1) as usize) {
+            *row = RowExtent::EMPTY;
         }
         self.top = seed_row - (MAX_ROWS / 2) as i32;
-        self.first_row = i32::MAX;
-        self.last_row = i32::MIN;
-        self.min_x = i32::MAX;
-        self.max_x = i32::MIN;
+        self.seed_row = seed_row;
+        self.reach = 0;
         self.matched = 0;
         self.sum = [0; 3];
     }
 
-    /// Adds a matched pixel if it touches the blob; says whether it did.
-    fn add(&mut self, x: i32, y: i32, colour: Rgb) -> bool {
-        if self.matched > 0
-            && !(self.row(y).reaches(x, ROW_GAP)
-                || self.row(y - 1).reaches(x, 0)
-                || self.row(y + 1).reaches(x, 0))
-        {
-            return false;
-        }
-        // MAX_SIDE keeps coordinates inside an i16.
-        let Some(row) = usize::try_from(y - self.top).ok().and_then(|i| self.rows.get_mut(i)) else {
+    /// Whether a pixel is beside what was matched so far.
+    #[inline]
+    fn touches(&self, x: i32, y: i32) -> bool {
+        let Some(&[above, here, below]) = self.rows.get(self.index(y - 1)..).and_then(<[_]>::first_chunk)
+        else {
             return false;
         };
+        here.reaches(x, ROW_GAP) || above.reaches(x, 0) || below.reaches(x, 0)
+    }
+
+    /// Adds a matched pixel.
+    #[inline]
+    fn add(&mut self, x: i32, y: i32, colour: Rgb) {
+        let index = self.index(y);
+        // A spiral that reaches beyond the table has reached beyond its bound too.
+        let Some(row) = self.rows.get_mut(index) else { return };
+        // MAX_SIDE keeps coordinates inside an i16.
         row.first = row.first.min(x as i16);
         row.last = row.last.max(x as i16);
-        self.first_row = self.first_row.min(y);
-        self.last_row = self.last_row.max(y);
-        self.min_x = self.min_x.min(x);
-        self.max_x = self.max_x.max(x);
         self.matched += 1;
         let [r, g, b] = &mut self.sum;
         *r += u32::from(colour.r);
         *g += u32::from(colour.g);
         *b += u32::from(colour.b);
-        true
+    }
+
+    /// The place of a row in the table; beyond it when the row is.
+    #[inline]
+    const fn index(&self, y: i32) -> usize {
+        // A row above the table wraps to beyond its end.
+        (y - self.top) as u32 as usize
     }
 
     /// The extent of picture row `y`.
     #[must_use]
     pub fn row(&self, y: i32) -> RowExtent {
-        usize::try_from(y - self.top).ok().and_then(|i| self.rows.get(i)).copied().unwrap_or(RowExtent::EMPTY)
+        self.rows.get(self.index(y)).copied().unwrap_or(RowExtent::EMPTY)
     }
 
     /// Every row that was matched, top to bottom, with its number in the picture.
     pub fn rows(&self) -> impl Iterator<Item = (i32, RowExtent)> + '_ {
-        let from = self.first_row;
-        let count = if from <= self.last_row { (self.last_row - from + 1) as usize } else { 0 };
-        let skip = if count > 0 { (from - self.top).max(0) as usize } else { 0 };
-        (from..).zip(self.rows.iter().skip(skip).take(count).copied()).filter(|(_, row)| !row.is_empty())
+        let reach = self.reach;
+        let from = self.index(self.seed_row - reach).min(MAX_ROWS);
+        let count = (2 * reach + 1) as usize;
+        (self.top + from as i32..)
+            .zip(self.rows.iter().skip(from).take(count).copied())
+            .filter(|(_, row)| !row.is_empty())
     }
 
     /// Matched pixels.
@@ -214,8 +225,14 @@ impl RowEdges {
 
     /// First and last column, first and last row; `None` when nothing was matched.
     #[must_use]
-    pub const fn bounds(&self) -> Option<(i32, i32, i32, i32)> {
-        if self.matched == 0 { None } else { Some((self.min_x, self.max_x, self.first_row, self.last_row)) }
+    pub fn bounds(&self) -> Option<(i32, i32, i32, i32)> {
+        self.rows().fold(None, |bounds, (y, extent)| {
+            let (first, last) = (i32::from(extent.first), i32::from(extent.last));
+            match bounds {
+                None => Some((first, last, y, y)),
+                Some((min_x, max_x, first_row, _)) => Some((min_x.min(first), max_x.max(last), first_row, y)),
+            }
+        })
     }
 }
 

@@ -14,7 +14,7 @@ use super::reacquire::{Places, choose, gate, suggested};
 use super::search::Region;
 use super::track::{Attempt, BallTrack, Mode, Tracks};
 use crate::config::{MAX_CANDIDATES, TrackerConfig};
-use crate::geometry::ImagePoint;
+use crate::geometry::{ImagePoint, round_to_i32};
 use crate::observation::BALLS;
 
 /// One ball found in the present frame.
@@ -64,6 +64,9 @@ pub(super) fn places(finds: &Finds) -> Places {
     places
 }
 
+/// How much around a ball's expected outline its spiral and its ring read, in radii.
+const FETCH_RADII: f32 = 1.4;
+
 /// The searches of one frame.
 pub(super) struct Locator<'a> {
     pub(super) frame: &'a FrameView<'a>,
@@ -80,6 +83,11 @@ impl<'a> Locator<'a> {
     pub(super) fn in_windows(&mut self, predicted: &Places, windows: &mut [Option<Region>; BALLS]) -> Finds {
         let mut finds = [None; BALLS];
         let tracks = self.tracks;
+        for (track, at) in tracks.iter().zip(predicted) {
+            if let (Some(track), Some(at)) = (track, at) {
+                self.fetch(track, *at);
+            }
+        }
         let slots = finds.iter_mut().zip(windows).zip(tracks).zip(predicted).enumerate();
         for (k, (((find, window), track), predicted)) in slots {
             let (Some(track), Some(at)) = (track, predicted) else { continue };
@@ -122,6 +130,13 @@ impl<'a> Locator<'a> {
         for (find, chosen) in finds.iter_mut().zip(chosen) {
             *find = find.or(chosen.map(|candidate| Find::new(candidate, Mode::Global)));
         }
+    }
+
+    /// Asks for the memory under a ball before the search needs it.
+    fn fetch(&self, track: &BallTrack, at: ImagePoint) {
+        let (a, b) = (track.clean.diameter * FETCH_RADII * 0.5, track.clean.height * FETCH_RADII * 0.5);
+        let span = |centre: f32, reach: f32| (round_to_i32(centre - reach), round_to_i32(centre + reach));
+        self.frame.fetch(span(at.u, a), span(at.v, b));
     }
 
     fn window(&self, track: &BallTrack, at: ImagePoint, diameters: f32) -> Option<Region> {

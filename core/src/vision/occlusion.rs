@@ -4,7 +4,7 @@ use super::centre::{Blob, Clean};
 use super::colour::Matcher;
 use super::frame::FrameView;
 use crate::config::OcclusionConfig;
-use crate::geometry::ImagePoint;
+use crate::geometry::{ImagePoint, round_to_i32};
 use core::f32::consts::FRAC_PI_4;
 
 /// Step along the ray of eq. 3, pixels.
@@ -69,7 +69,7 @@ pub fn centre_behind(
     let mut at = 0.0f32;
     while at <= farthest {
         let p = y_centre + unit * at;
-        let pixel = frame.pixel(libm::roundf(p.u) as i32, libm::roundf(p.v) as i32);
+        let pixel = frame.pixel(round_to_i32(p.u), round_to_i32(p.v));
         *tested += 1;
         if pixel.is_some_and(|c| matcher.accepts(c)) {
             // The rim lies between this sample and the next.

@@ -7,6 +7,8 @@
 //! 1 + 4 + ... + 4^k coordinates with L / 2^k the first box under d / 2, that is fewer than
 //! (16/3) (2 L / d)^2; the spiral yields at most (3 d + 2)^2 with the paper's bound.
 
+use crate::geometry::round_to_i32;
+
 /// A rectangle of pixels: columns `x0..x1`, rows `y0..y1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Region {
@@ -31,10 +33,10 @@ impl Region {
         let half = side * 0.5;
         // `as` saturates, so a centre far outside gives an empty region and not a wrapped one.
         let region = Self {
-            x0: (libm::roundf(u - half) as i32).max(0),
-            y0: (libm::roundf(v - half) as i32).max(0),
-            x1: (libm::roundf(u + half) as i32).saturating_add(1).min(i32::from(width)),
-            y1: (libm::roundf(v + half) as i32).saturating_add(1).min(i32::from(height)),
+            x0: round_to_i32(u - half).max(0),
+            y0: round_to_i32(v - half).max(0),
+            x1: round_to_i32(u + half).saturating_add(1).min(i32::from(width)),
+            y1: round_to_i32(v + half).saturating_add(1).min(i32::from(height)),
         };
         (region.width() > 0 && region.height() > 0).then_some(region)
     }
@@ -132,7 +134,10 @@ pub struct Spiral {
     left_in_segment: i32,
     second_of_pair: bool,
     last_segment: i32,
-    started: bool,
+    /// Pixels still missing from the square that the present turn completes.
+    left_in_turn: i32,
+    /// Half the side of that square, rounded down.
+    turn: i32,
 }
 
 impl Spiral {
@@ -144,29 +149,25 @@ impl Spiral {
         while ((last_segment * (last_segment + 1) + 1) as f32) <= bound && last_segment < 2 * 8192 {
             last_segment += 1;
         }
+        // One pixel before the start, in a first segment that is one longer: the first step is to it.
         Self {
-            x,
+            x: x.saturating_sub(1),
             y,
             dx: 1,
             dy: 0,
             segment: 1,
-            left_in_segment: 1,
+            left_in_segment: 2,
             second_of_pair: false,
             last_segment,
-            started: false,
+            left_in_turn: 1,
+            turn: 0,
         }
     }
 
     /// Whether the coordinate yielded last closed a turn: the square seen so far is complete.
     #[must_use]
     pub const fn closed_a_turn(&self) -> bool {
-        // A square of odd side 2 k + 1 is complete when 2 k pixels of the segment 2 k + 1 ... are
-        // gone: after the second segment of an even length plus that many of the next.
-        self.started
-            && !self.second_of_pair
-            && self.segment % 2 == 1
-            && self.left_in_segment == 1
-            && self.dx == 1
+        self.left_in_turn == 0 && self.turn > 0
     }
 }
 
@@ -175,16 +176,18 @@ impl Iterator for Spiral {
 
     #[inline]
     fn next(&mut self) -> Option<(i32, i32)> {
-        if !self.started {
-            self.started = true;
-            return Some((self.x, self.y));
-        }
         if self.segment > self.last_segment {
             return None;
         }
         self.x += self.dx;
         self.y += self.dy;
         self.left_in_segment -= 1;
+        if self.left_in_turn == 0 {
+            self.turn += 1;
+            // The ring around a square of side 2 k - 1.
+            self.left_in_turn = 8 * self.turn;
+        }
+        self.left_in_turn -= 1;
         let here = (self.x, self.y);
         if self.left_in_segment == 0 {
             // A quarter turn: right, up, left, down.
