@@ -269,7 +269,7 @@ impl<'a> FrameView<'a> {
     /// line; asked for all at once the lines come together. Changes nothing but time.
     pub(super) fn fetch(&self, (x0, x1): (i32, i32), (y0, y1): (i32, i32)) {
         const CACHE_LINE: usize = 64;
-        let row_bytes = |x: i32| self.format.row_bytes(x.clamp(0, i32::from(self.width)) as usize);
+        let row_bytes = |x: i32| self.format.row_bytes(x.max(0).min(i32::from(self.width)) as usize);
         let (from, to) = (row_bytes(x0), row_bytes(x1));
         let mut sum = 0u32;
         for y in y0.max(0)..y1.min(i32::from(self.height)) {

@@ -64,8 +64,11 @@ pub(super) fn places(finds: &Finds) -> Places {
     places
 }
 
-/// How much around a ball's expected outline its spiral and its ring read, in radii.
-const FETCH_RADII: f32 = 1.4;
+/// How far from a ball's centre its spiral and its ring read: so many radii ...
+const FETCH_RADII: f32 = 1.3;
+
+/// ... and so many pixels more.
+const FETCH_PIXELS: f32 = 4.0;
 
 /// The searches of one frame.
 pub(super) struct Locator<'a> {
@@ -134,7 +137,8 @@ impl<'a> Locator<'a> {
 
     /// Asks for the memory under a ball before the search needs it.
     fn fetch(&self, track: &BallTrack, at: ImagePoint) {
-        let (a, b) = (track.clean.diameter * FETCH_RADII * 0.5, track.clean.height * FETCH_RADII * 0.5);
+        let reach = |extent: f32| extent * 0.5 * FETCH_RADII + FETCH_PIXELS;
+        let (a, b) = (reach(track.clean.diameter), reach(track.clean.height));
         let span = |centre: f32, reach: f32| (round_to_i32(centre - reach), round_to_i32(centre + reach));
         self.frame.fetch(span(at.u, a), span(at.v, b));
     }
