@@ -58,8 +58,10 @@ fn parse(text: &str) -> Result<HashMap<&str, Row>, String> {
         };
         let (frame, t) = (frame.trim(), t.trim());
         let t_s: f64 = t.parse().map_err(|_| format!("line {line}: '{t}' is no time in seconds"))?;
-        if !t_s.is_finite() {
-            return Err(format!("line {line}: the time of frame {frame} is {t}: it must be a finite number"));
+        if !t_s.is_finite() || t_s < 0.0 {
+            return Err(format!(
+                "line {line}: the time of frame {frame} is {t}: it must be a finite number of seconds from 0 on"
+            ));
         }
         if let Some(first) = rows.insert(frame, Row { t_s, line }) {
             return Err(format!("line {line}: frame {frame} has a time already, on line {}", first.line));

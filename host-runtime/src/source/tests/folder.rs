@@ -334,6 +334,7 @@ fn bad_timestamps_are_refused_with_file_and_line() {
     for (csv, words) in [
         ("frame,t\n8,1.0\n9,0.9\n10,2\n", vec!["line 3", "frame 009", "0.9", "must increase"]),
         ("frame,t\n8,1.0\n9,1.0\n10,2\n", vec!["line 3", "must increase"]),
+        ("frame,t\n8,-1.0\n9,0.5\n10,2\n", vec!["line 2", "-1.0", "from 0 on"]),
         ("frame,t\n8,1.0\n9,NaN\n10,2\n", vec!["line 3", "NaN", "finite"]),
         ("frame,t\n8,1.0\n9,inf\n10,2\n", vec!["line 3", "finite"]),
         ("frame,t\n8,1.0\n9,soon\n10,2\n", vec!["line 3", "'soon'"]),
