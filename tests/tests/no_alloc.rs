@@ -7,11 +7,12 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
-use tetrad_core::config::{HandConfig, LearnConfig};
+use tetrad_core::config::{HandConfig, LearnConfig, ProposeConfig};
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::motion::{MotionTracker, PoseState};
 use tetrad_core::observation::{BALLS, Ball, Observation};
 use tetrad_core::vision::colour::Primary;
+use tetrad_core::vision::learn::propose::propose;
 use tetrad_core::vision::learn::{HorizontalScan, learn};
 use tetrad_core::vision::tracker::CameraTracker;
 use tetrad_core::wire::{
@@ -88,6 +89,20 @@ fn learning_allocates_nothing() {
         assert!(scan.is_ok());
         assert_eq!(allocations, 0, "scanning {}", ball.name());
     }
+}
+
+#[test]
+fn proposing_the_balls_allocates_nothing() {
+    let scene = common::scene("demo");
+    let pictures = [0, 1].map(|camera| {
+        let mut rgb = Vec::new();
+        scene.render_rgb(0, camera, &mut rgb);
+        rgb
+    });
+    let views = pictures.each_ref().map(|rgb| common::view(&scene, rgb));
+    let (proposal, allocations) = counted(|| propose(&views, &ProposeConfig::default()));
+    assert!(proposal.is_complete());
+    assert_eq!(allocations, 0);
 }
 
 /// Every state is passed through: `cover-all` hides all balls, so that they are searched for wider
