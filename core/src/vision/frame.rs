@@ -329,15 +329,4 @@ const fn clamp8(value: i32) -> u8 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_stride_whose_rows_overflow_is_refused() {
-        let data = [0; 24];
-        for stride in [usize::MAX, usize::MAX / 2, usize::MAX / 8 + 1] {
-            let frame = FrameView::new(&data, 8, 16, stride, PixelFormat::Rgb888);
-            assert_eq!(frame.err(), Some(FrameError::WrongLength { needed: usize::MAX, given: 24 }));
-        }
-    }
-}
+mod tests;
