@@ -101,6 +101,9 @@ pub struct ShapeConfig {
     /// Under this score a find is doubtful: believed in the window for [`ShapeConfig::doubt_us`], as
     /// a ball about to vanish behind something; not believed in a larger window.
     pub doubtful_score: f32,
+    /// How far from its prediction a doubtful find may be, diameters: the rest of a ball that is half
+    /// hidden has its centre a quarter of a diameter off, and the prediction errs too.
+    pub doubtful_reach: f32,
     /// The least score of a find of the global search.
     pub global_score: f32,
     /// How much of the way to the present size the last clean size goes in a frame in which a ball
@@ -205,6 +208,7 @@ impl Default for TrackerConfig {
                 good_score: 0.65,
                 whole_score: 0.35,
                 doubtful_score: 0.15,
+                doubtful_reach: 0.8,
                 global_score: 0.3,
                 size_follow: 0.25,
                 doubt_us: 40_000,
@@ -240,6 +244,8 @@ pub enum ConfigError {
     BackgroundRank,
     /// A window or spiral must be finite, at least one diameter and at most 16.
     Window,
+    /// The share of matched pixels under which a spiral is inconsistent must be at most 256 (1/256).
+    MatchShare,
     /// The budget of a global search must be finite and between 1 and 64 pictures.
     Budget,
     /// A ratio, share or tolerance is not finite or is negative.
@@ -252,6 +258,7 @@ impl fmt::Display for ConfigError {
             Self::Alpha => "alpha of eq. 1 must be between 1/256 and 1",
             Self::BackgroundRank => "the background rank must be below 16",
             Self::Window => "windows and spirals must be between 1 and 16 diameters",
+            Self::MatchShare => "the least share of matched pixels must be at most 256/256",
             Self::Budget => "the budget of a global search must be between 1 and 64 pictures",
             Self::Tolerance => "a ratio, share or tolerance is negative or not a number",
         })
@@ -279,6 +286,9 @@ impl TrackerConfig {
         {
             return Err(ConfigError::Window);
         }
+        if s.min_match_256 > 256 {
+            return Err(ConfigError::MatchShare);
+        }
         if !(1.0..=64.0).contains(&s.global_budget) {
             return Err(ConfigError::Budget);
         }
@@ -295,6 +305,7 @@ impl TrackerConfig {
             h.whole_score,
             h.doubtful_score,
             h.global_score,
+            h.doubtful_reach,
             h.size_follow,
             o.area_share,
             o.diameter_share,

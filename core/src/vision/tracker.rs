@@ -132,13 +132,14 @@ impl CameraTracker {
         let mut finds = self
             .locator(frame, t_us, &mut scratch, &mut report.tested)
             .in_windows(&predicted, &mut report.windows);
-        let doubtful = self.set_doubtful_aside(t_us, &mut finds);
+        let doubtful = self.set_doubtful_aside(t_us, &predicted, &mut finds);
         self.locator(frame, t_us, &mut scratch, &mut report.tested).wider(&mut finds, &doubtful);
         for (find, doubtful) in finds.iter_mut().zip(doubtful) {
             *find = find.or(doubtful.map(|(find, _)| find));
         }
         self.drop_stray(&mut finds);
         self.judge_whole(&mut finds);
+        self.drop_lone_part(&mut finds);
         self.place_hidden(frame, &mut finds, &mut report.tested);
         self.validate(&finds, &predicted, &mut report);
         self.follow_colours(frame, &finds, &mut report);
@@ -165,19 +166,36 @@ impl CameraTracker {
     }
 
     /// Finds that look little like their balls: the larger window is searched for better ones, and
-    /// the whole picture too when that has lasted (the flag); where there is none they are kept.
-    fn set_doubtful_aside(&mut self, t_us: u64, finds: &mut Finds) -> Doubtful {
+    /// the whole picture too when that has lasted (the flag); where there is none they are kept if
+    /// they may be the rest of a ball that stands where it is expected, and else dropped.
+    fn set_doubtful_aside(&mut self, t_us: u64, predicted: &Places, finds: &mut Finds) -> Doubtful {
         let shape = &self.config.shape;
         let mut aside = [None; BALLS];
-        for ((find, aside), track) in finds.iter_mut().zip(&mut aside).zip(&mut self.tracks) {
+        let slots = finds.iter_mut().zip(&mut aside).zip(&mut self.tracks).zip(predicted);
+        for (((find, aside), track), expected) in slots {
             let (Some(found), Some(track)) = (&find, track) else { continue };
             let doubtful = found.score < shape.doubtful_score && !found.blob.cut;
             let lasting = track.doubt(doubtful, t_us, shape.doubt_us);
             if doubtful {
-                *aside = find.take().map(|find| (find, lasting));
+                let reach = shape.doubtful_reach * track.clean.diameter.max(track.clean.height);
+                let near = expected.is_some_and(|expected| found.centre.distance(expected) <= reach);
+                *aside = find.take().filter(|_| near).map(|find| (find, lasting));
             }
         }
         aside
+    }
+
+    /// While nothing else of a rigid frame is seen, a thing that is not a whole ball is no ball.
+    fn drop_lone_part(&self, finds: &mut Finds) {
+        let taught = self.tracks.iter().flatten().count();
+        let mut found = finds.iter_mut().filter(|find| find.is_some());
+        if let (Some(lone), None) = (found.next(), found.next())
+            && self.config.rigid
+            && taught > 1
+            && lone.as_ref().is_some_and(|find| !find.whole)
+        {
+            *lone = None;
+        }
     }
 
     /// A thing of a ball's colour far from the hand: neither found nor remembered.
