@@ -1,7 +1,8 @@
-//! Every capacity and threshold of the core in one table: value, unit, origin.
+//! What can be set: capacities and thresholds, each with value, unit and origin, one type a stage.
 //!
-//! One type a stage. A stage never holds a number of its own: it takes its configuration as an
-//! argument, so that a microcontroller, a test and a desktop can be told the same.
+//! A stage takes its configuration as an argument, so that a microcontroller, a test and a desktop
+//! can be told the same. Numbers that nobody is meant to turn (weights inside a score, how far a
+//! prediction is trusted) are named constants at the top of the file that uses them.
 
 use core::fmt;
 
@@ -72,6 +73,9 @@ pub struct SearchConfig {
     /// bounds the worst case, a picture in which everything has the ball's colour: this times the
     /// picture, times 2 (1 + [`RETRIES`] + [`GLOBAL_RETRIES`]) thresholds, for each lost ball.
     pub global_budget: f32,
+    /// Spirals that one search may start. With the bound of each it bounds the work of a search in a
+    /// picture made of specks: this times (spiral_diameters x d + 2)^2 coordinates.
+    pub max_spirals: u32,
 }
 
 /// Sections 3.2 (scores) and 3.5 (shape).
@@ -195,6 +199,7 @@ impl Default for TrackerConfig {
                 spiral_diameters: 3.0,
                 min_match_256: 12,
                 global_budget: 4.0,
+                max_spirals: 400,
             },
             shape: ShapeConfig {
                 min_area: 7,

@@ -3,8 +3,8 @@
 //!
 //! The uniform search looks for a pixel that matches; the spiral search then looks for the ball
 //! around it. A spiral that is abandoned gives the turn back to the uniform search, which goes on
-//! exactly where it stopped. Cells in which a spiral has already matched are not entered again, so
-//! the number of spirals is bounded by the number of cells.
+//! exactly where it stopped. Cells in which a spiral has already matched are not entered again, and
+//! the number of spirals of one search is bounded (`SearchConfig::max_spirals`).
 
 use super::centre::{Blob, Clean, row_edge_centre};
 use super::colour::{FULL_SCALE, Matcher, distance_squared};
@@ -22,6 +22,12 @@ const LEAST_ROUNDNESS: f32 = 0.65;
 
 /// ... and from which on it could not be rounder. Digitised discs reach 0.88 to 0.98.
 const GOOD_ROUNDNESS: f32 = 0.9;
+
+/// The factor of a blob that only just passes eq. 1 ...
+const LEAST_COLOUR: f32 = 0.7;
+
+/// ... which rises to 1 where its mean colour passes by so much of M's range.
+const GOOD_EXCESS: f32 = 0.075;
 
 /// Cells along either side of the region searched.
 const CELLS: i32 = 64;
@@ -198,12 +204,13 @@ impl Search<'_> {
         mut judge: impl FnMut(Candidate) -> bool,
     ) -> bool {
         let mut left = false;
+        let mut spirals = 0;
         let cells = Cells::over(region);
         scratch.explored = [0; CELLS as usize];
         let limits =
             SpiralLimits { side: self.expected.spiral_side, min_match_256: self.search.min_match_256 };
         for (x, y) in UniformSearch::new(region, self.expected.least_diameter) {
-            if *tested >= budget {
+            if *tested >= budget || spirals >= self.search.max_spirals {
                 break;
             }
             *tested += 1;
@@ -213,6 +220,7 @@ impl Search<'_> {
             if cells.marked(&scratch.explored, x, y) {
                 continue;
             }
+            spirals += 1;
             let outcome = scratch.edges.collect(self.frame, self.matcher, (x, y), limits, tested);
             left = true;
             if outcome.is_ok()
@@ -258,7 +266,7 @@ impl Search<'_> {
         let of_solid = blob.matched as f32 / blob.area.max(1.0);
         let excess =
             (self.matcher.matching(blob.colour) - self.matcher.threshold()) as f32 / FULL_SCALE as f32;
-        let of_colour = 0.7 + (excess * 4.0).min(0.3);
+        let of_colour = LEAST_COLOUR + (excess / GOOD_EXCESS).min(1.0) * (1.0 - LEAST_COLOUR);
         let factors = [of_size, of_aspect, of_disc.min(1.0), of_solid, of_colour];
         factors.iter().map(|f| f.max(0.0)).product()
     }

@@ -12,6 +12,9 @@ use crate::config::MAX_ROWS;
 /// Unmatched pixels within a row that do not yet part it: one, for a noisy pixel on the rim.
 const ROW_GAP: i32 = 1;
 
+/// Pixels visited before a spiral can be inconsistent: eight by eight say too little.
+const EARLIEST_VERDICT: u32 = 64;
+
 /// The first and last matched column of one row; empty while `first > last`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowExtent {
@@ -136,7 +139,9 @@ impl RowEdges {
                     *tested += read;
                     return Ok(());
                 }
-                if visited > 64 && self.matched * 256 < visited * limits.min_match_256 {
+                if visited > EARLIEST_VERDICT
+                    && self.matched * 256 < visited.saturating_mul(limits.min_match_256)
+                {
                     *tested += read;
                     return Err(Abandoned::Inconsistent);
                 }

@@ -1,7 +1,8 @@
 //! A borrowed picture: the only code that indexes its bytes.
 //!
 //! A [`FrameView`] checks size, stride and format once; afterwards a pixel is converted to RGB when
-//! it is asked for and nothing else of the buffer is touched. Nothing here panics.
+//! it is asked for, and nothing else of the buffer is touched but for one byte in each cache line
+//! around a ball that the tracker is about to read (`fetch`). Nothing here panics.
 
 use core::fmt;
 

@@ -14,6 +14,10 @@ use crate::observation::BALLS;
 /// Other balls that must be seen before their motion confines where a lost one may be.
 const GATE_BALLS: usize = 2;
 
+/// Diameters that the gate is wider than what the spread gives: the window of section 3.2 around its
+/// edge.
+const GATE_DIAMETERS: f32 = 1.5;
+
 /// What a ball that is left unfound costs, in scores.
 const COST_OF_NONE: f32 = 1.0;
 
@@ -73,7 +77,7 @@ pub(super) fn gate(
     }
     let seconds = absent_us as f32 * 1e-6;
     let radius = spread(ball) * (config.gate_spread + config.gate_growth * seconds * seconds)
-        + 1.5 * ball.clean.diameter;
+        + GATE_DIAMETERS * ball.clean.diameter;
     Region::square(centre.u, centre.v, 2.0 * radius, width, height)
 }
 

@@ -60,6 +60,10 @@ impl Region {
     }
 }
 
+/// Coordinates beyond plus or minus this are brought to it: twice the largest picture, far inside what
+/// the arithmetic here can hold.
+const FARTHEST: i32 = 2 * 8192;
+
 /// Most times a region may be halved: 8192 / 2^13 is one pixel.
 const MAX_LEVEL: u32 = 13;
 
@@ -78,6 +82,13 @@ impl UniformSearch {
     /// A search of `region` for something `diameter` pixels across.
     #[must_use]
     pub fn new(region: Region, diameter: f32) -> Self {
+        let inside = |c: i32| c.clamp(-FARTHEST, FARTHEST);
+        let region = Region {
+            x0: inside(region.x0),
+            y0: inside(region.y0),
+            x1: inside(region.x1),
+            y1: inside(region.y1),
+        };
         let side = region.width().max(region.height()) as f32;
         let mut last_level = 0;
         let mut box_side = side;
@@ -144,6 +155,7 @@ impl Spiral {
     /// A spiral from (`x`, `y`) over a square of `bound_side` pixels: the paper's 3 d.
     #[must_use]
     pub fn new(x: i32, y: i32, bound_side: f32) -> Self {
+        let (x, y) = (x.clamp(-FARTHEST, FARTHEST), y.clamp(-FARTHEST, FARTHEST));
         let bound = bound_side * bound_side;
         let mut last_segment = 1;
         while ((last_segment * (last_segment + 1) + 1) as f32) <= bound && last_segment < 2 * 8192 {
@@ -151,7 +163,7 @@ impl Spiral {
         }
         // One pixel before the start, in a first segment that is one longer: the first step is to it.
         Self {
-            x: x.saturating_sub(1),
+            x: x - 1,
             y,
             dx: 1,
             dy: 0,

@@ -113,3 +113,16 @@ fn a_window_outside_the_picture_is_none() {
     let cut = Region::square(0.0, 479.0, 48.0, 640, 480).unwrap();
     assert_eq!((cut.x0, cut.y1), (0, 480));
 }
+
+#[test]
+fn impossible_coordinates_do_not_overflow() {
+    for (a, b) in [(i32::MIN, i32::MAX), (i32::MAX, i32::MIN), (i32::MAX, i32::MAX)] {
+        let region = Region { x0: a, y0: a, x1: b, y1: b };
+        assert!(
+            UniformSearch::new(region, 4000.0)
+                .take(10_000)
+                .all(|(x, y)| x.abs() <= 1 << 15 && y.abs() <= 1 << 15)
+        );
+        assert!(Spiral::new(a, b, 50.0).all(|(x, y)| x.abs() <= 1 << 15 && y.abs() <= 1 << 15));
+    }
+}
