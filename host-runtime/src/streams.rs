@@ -1,10 +1,15 @@
 //! One or two sources read in step.
 //!
-//! Recordings and scenes pair their frames by index; a picture that only one of them lacks ends it. Two live cameras pair them by capture time: the
-//! one that lags gives frames away until the two are at most half a frame apart.
+//! Recordings and scenes pair their frames by index, and a pair that was not taken together ends the
+//! run: folders with timestamps.csv must agree to half a frame, other folders in the frame number. Two
+//! live cameras pair them by capture time: the one that lags gives frames away until the two are at most
+//! half a frame apart.
+
+mod pairing;
 
 use crate::exit::{Exit, Failure};
-use crate::source::{Frame, Gap, Source, SourceError};
+use crate::source::{Frame, Source, SourceError};
+use pairing::Pairing;
 use std::fmt;
 use std::ops::ControlFlow;
 
@@ -43,7 +48,7 @@ pub enum StreamError {
         "a picture is missing before frame {number} of the {name} source, and not in the other: \
          {pairs} pairs before it were tracked. Put it back, or take its partner away as well"
     )]
-    Unpaired {
+    Gap {
         /// `left` or `right`.
         name: &'static str,
         /// What the frame after the gap is called.
@@ -51,16 +56,56 @@ pub enum StreamError {
         /// Pairs delivered before.
         pairs: u64,
     },
+    /// Two recordings number the pictures of a pair differently.
+    #[error(
+        "left frame {left} does not belong to right frame {right}: the {lacks} source lacks picture {number} \
+         ({pairs} pairs before it were tracked). Put it back, or take its partner away as well; if the \
+         pictures were taken together, give them equal numbers"
+    )]
+    Numbers {
+        /// The number of the left frame.
+        left: u64,
+        /// The number of the right frame.
+        right: u64,
+        /// `left` or `right`: whose picture is missing.
+        lacks: &'static str,
+        /// The number of the picture that is missing.
+        number: u64,
+        /// Pairs delivered before.
+        pairs: u64,
+    },
+    /// The times of a pair are too far apart.
+    #[error(
+        "left frame {left} was taken at {left_s} s and right frame {right} at {right_s} s, more than half a \
+         frame ({largest_skew_s:.4} s) apart ({pairs} pairs before them were tracked): a picture is missing in \
+         one folder, or the two timestamps.csv do not go by one clock"
+    )]
+    Times {
+        /// The number of the left frame.
+        left: u64,
+        /// The number of the right frame.
+        right: u64,
+        /// When the left frame was taken, seconds.
+        left_s: f64,
+        /// When the right frame was taken, seconds.
+        right_s: f64,
+        /// How far apart they may be, seconds.
+        largest_skew_s: f64,
+        /// Pairs delivered before.
+        pairs: u64,
+    },
     /// One source ended before the other.
     #[error(
         "the sources differ in length: left has {left} frames and right has {right}; \
-         the {} both have were tracked. Cut the longer one to the length of the shorter", left.min(right)
+         the {} both have were tracked. {mend}", left.min(right)
     )]
     Unequal {
         /// Frames of the left source.
         left: Count,
         /// Frames of the right source.
         right: Count,
+        /// What would mend it.
+        mend: &'static str,
     },
 }
 
@@ -68,9 +113,15 @@ impl From<StreamError> for Failure {
     fn from(error: StreamError) -> Self {
         let exit = match &error {
             StreamError::Source { cause, .. } => cause.exit(),
-            StreamError::Empty { .. } | StreamError::Unpaired { .. } | StreamError::Unequal { .. } => {
-                Exit::Failed
-            }
+            // nothing was begun: the recordings that were named do not go together
+            StreamError::Gap { pairs: 0, .. }
+            | StreamError::Numbers { pairs: 0, .. }
+            | StreamError::Times { pairs: 0, .. } => Exit::BadArguments,
+            StreamError::Empty { .. }
+            | StreamError::Gap { .. }
+            | StreamError::Numbers { .. }
+            | StreamError::Times { .. }
+            | StreamError::Unequal { .. } => Exit::Failed,
         };
         Self::new(exit, error)
     }
@@ -132,8 +183,8 @@ impl Streams {
     /// Lends one frame of each source at a time to `each`, until the sources end or it breaks.
     ///
     /// # Errors
-    /// [`StreamError`] when a source fails, has no frame at all, lacks one that the other has
-    /// or ends before it; or what `each` returned.
+    /// [`StreamError`] when a source fails, has no frame at all, ends before the other or has frames
+    /// that were not taken with its; or what `each` returned.
     pub fn run<E: From<StreamError>>(
         &mut self,
         mut each: impl FnMut(&[Frame<'_>]) -> Result<ControlFlow<()>, E>,
@@ -189,13 +240,13 @@ fn run_two<E: From<StreamError>>(
     right: &mut Stream,
     each: &mut impl FnMut(&[Frame<'_>]) -> Result<ControlFlow<()>, E>,
 ) -> Result<End, E> {
-    let largest_skew_s = largest_skew_s(left, right);
-    let names = (left.name, right.name);
+    let pairing = Pairing::of(left.source.info(), right.source.info());
+    let mend = pairing.when_unequal();
     let mut pairs = 0;
     loop {
         let mut from_left = left.next(pairs)?;
         let mut from_right = right.next(pairs)?;
-        if let Some(largest) = largest_skew_s {
+        if let Pairing::Live { largest_skew_s: largest } = pairing {
             while let (Some(l), Some(r)) = (&from_left, &from_right) {
                 let skew_s = l.t_s - r.t_s;
                 if skew_s < -largest {
@@ -210,11 +261,7 @@ fn run_two<E: From<StreamError>>(
         let ended = |frames| Count { frames, ended: true };
         match (from_left, from_right) {
             (Some(l), Some(r)) => {
-                if largest_skew_s.is_none() && l.gap != r.gap {
-                    let (name, number) =
-                        if l.gap == Gap::None { (names.1, r.number) } else { (names.0, l.number) };
-                    return Err(StreamError::Unpaired { name, number, pairs }.into());
-                }
+                pairing.check(&l, &r, pairs)?;
                 pairs += 1;
                 if each(&[l, r])?.is_break() {
                     return Ok(End::Stopped);
@@ -226,21 +273,14 @@ fn run_two<E: From<StreamError>>(
             (Some(_), None) if pairs == 0 => return Err(right.empty().into()),
             (None, Some(_)) => {
                 let right = right.count(pairs + 1);
-                return Err(StreamError::Unequal { left: ended(pairs), right }.into());
+                return Err(StreamError::Unequal { left: ended(pairs), right, mend }.into());
             }
             (Some(_), None) => {
                 let left = left.count(pairs + 1);
-                return Err(StreamError::Unequal { left, right: ended(pairs) }.into());
+                return Err(StreamError::Unequal { left, right: ended(pairs), mend }.into());
             }
         }
     }
-}
-
-/// Half a frame of the slower of two live cameras; `None` where frames pair by index.
-fn largest_skew_s(left: &Stream, right: &Stream) -> Option<f64> {
-    let (left, right) = (left.source.info(), right.source.info());
-    let fps = |info: &crate::source::SourceInfo| info.fps.unwrap_or(crate::source::DEFAULT_FPS);
-    (left.live && right.live).then(|| 0.5 / fps(left).min(fps(right)))
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ use std::{
 use tetrad_core::vision::frame::FrameView;
 
 use super::{
-    DEFAULT_FPS, Frame, Gap, Source, SourceError, SourceInfo,
+    DEFAULT_FPS, Frame, Gap, Labels, Source, SourceError, SourceInfo,
     frame_number::{frame_number, natural_order},
     picture::Picture,
     timestamps,
@@ -46,7 +46,9 @@ pub struct FolderSource {
 struct Entry {
     path: PathBuf,
     stem: String,
+    /// Zero for a single picture without one.
     number: u64,
+    numbered: bool,
 }
 
 impl FolderSource {
@@ -66,6 +68,12 @@ impl FolderSource {
         };
         let frames = entries.iter().zip(times).map(|(entry, t_s)| (entry.number, t_s)).collect::<Vec<_>>();
 
+        let labels = match nominal_fps {
+            _ if entries.iter().any(|entry| !entry.numbered) => Labels::Order,
+            Some(_) => Labels::Numbers,
+            None => Labels::Times { step_s: median_step(&frames).unwrap_or(1.0 / DEFAULT_FPS) },
+        };
+
         let mut decoder = Decoder::start(entries.into_iter().map(|entry| entry.path).collect());
         let first = decoder.next(folder)?;
         let info = SourceInfo {
@@ -76,6 +84,7 @@ impl FolderSource {
             fps: nominal_fps,
             frames: Some(frames.len() as u64),
             live: false,
+            labels,
         };
         decoder.first = Some(first);
         Ok(Self { info, frames, delivered: 0, held: None, ended: false, decoder })
@@ -158,7 +167,7 @@ fn list(spec: &str, folder: &Path) -> Result<Vec<Entry>, SourceError> {
         if number.is_none() {
             unnumbered = Some(path.clone());
         }
-        entries.push(Entry { path, stem, number: number.unwrap_or(0) });
+        entries.push(Entry { path, stem, number: number.unwrap_or(0), numbered: number.is_some() });
     }
     if entries.is_empty() {
         return Err(SourceError::argument(
@@ -206,6 +215,13 @@ fn times_by_number(entries: &[Entry], fps: f64) -> Result<Vec<f64>, SourceError>
     }
     let first = entries.first().map_or(0, |entry| entry.number);
     Ok(entries.iter().map(|entry| (entry.number - first) as f64 / fps).collect())
+}
+
+/// The median time from one frame to the next; `None` of a single one.
+fn median_step(frames: &[(u64, f64)]) -> Option<f64> {
+    let mut steps: Vec<f64> = frames.iter().zip(frames.iter().skip(1)).map(|(a, b)| b.1 - a.1).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied()
 }
 
 /// The thread that decodes, and the buffers that go round between it and the source.

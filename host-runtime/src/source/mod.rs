@@ -109,6 +109,23 @@ pub struct SourceInfo {
     pub frames: Option<u64>,
     /// Whether pictures arrive by themselves and are lost when nobody takes them.
     pub live: bool,
+    /// What tells which frames of two recordings were taken together.
+    pub labels: Labels,
+}
+
+/// What a recording knows of its frames beside their order.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Labels {
+    /// Nothing.
+    #[default]
+    Order,
+    /// The numbers in its file names.
+    Numbers,
+    /// When each was taken, and the numbers.
+    Times {
+        /// The median time from one to the next, in seconds.
+        step_s: f64,
+    },
 }
 
 /// What lies between a frame and the one delivered before it.

@@ -8,7 +8,7 @@ use std::cmp::Reverse;
 use tetrad_core::vision::frame::{FrameError, FrameView, PixelFormat};
 use tetrad_fixtures::{Scene, to_format};
 
-use super::{Frame, Gap, Source, SourceError, SourceInfo, View};
+use super::{Frame, Gap, Labels, Source, SourceError, SourceInfo, View};
 
 /// How many scene names a message lists.
 const LISTED: usize = 12;
@@ -49,6 +49,7 @@ impl SimulatedSource {
             fps: Some(scene.fps),
             frames: Some(scene.frames() as u64),
             live: false,
+            labels: Labels::Order,
         };
         Ok(Self { info, scene, camera, rgb: Vec::new(), converted: Vec::new(), next_frame: 0 })
     }

@@ -15,7 +15,7 @@ use std::{
 
 use tetrad_core::vision::frame::FrameView;
 
-use super::{DEFAULT_FPS, Frame, Gap, Source, SourceError, SourceInfo};
+use super::{DEFAULT_FPS, Frame, Gap, Labels, Source, SourceError, SourceInfo};
 
 mod convert;
 mod header;
@@ -74,6 +74,7 @@ impl Y4mSource {
             fps: Some(fps),
             frames: whole_frames(bytes.saturating_sub(offset), repack.plane_bytes()),
             live: false,
+            labels: Labels::Order,
         };
         Ok(Self {
             info,

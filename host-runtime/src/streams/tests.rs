@@ -1,5 +1,5 @@
 use super::*;
-use crate::source::{Gap, SourceInfo};
+use crate::source::{Gap, Labels, SourceInfo};
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
 
 /// One black pixel at each of some times; at `broken` it fails.
@@ -9,6 +9,7 @@ struct Times {
     at: usize,
     broken: Option<usize>,
     gap_at: Option<usize>,
+    first: u64,
 }
 
 impl Source for Times {
@@ -25,7 +26,7 @@ impl Source for Times {
         let gap = if self.gap_at == Some(self.at) { Gap::Missed(2) } else { Gap::None };
         self.at += 1;
         let view = FrameView::packed(&[0, 0, 0], 1, 1, PixelFormat::Rgb888).unwrap();
-        Ok(Some(Frame { view, index, number: index, t_s, gap }))
+        Ok(Some(Frame { view, index, number: self.first + index, t_s, gap }))
     }
 }
 
@@ -38,15 +39,24 @@ fn stream(name: &'static str, times: &[f64], live: bool, broken: Option<usize>) 
         fps: Some(10.0),
         frames: None,
         live,
+        labels: Labels::Order,
     };
     let times = times.to_vec();
-    Stream { name, source: Box::new(Times { info, times, at: 0, broken, gap_at: None }) }
+    Stream { name, source: Box::new(Times { info, times, at: 0, broken, gap_at: None, first: 0 }) }
 }
 
 /// Four frames, with a gap before one of them.
 fn gap_before(name: &'static str, index: usize) -> Stream {
     let info = stream(name, &[], false, None).source.info().clone();
-    let source = Times { info, times: vec![0.0; 4], at: 0, broken: None, gap_at: Some(index) };
+    let source = Times { info, times: vec![0.0; 4], at: 0, broken: None, gap_at: Some(index), first: 0 };
+    Stream { name, source: Box::new(source) }
+}
+
+/// Frames at these times, numbered from `first` on.
+fn labelled(name: &'static str, first: u64, times: &[f64], labels: Labels) -> Stream {
+    let info = SourceInfo { labels, ..stream(name, &[], false, None).source.info().clone() };
+    let times = times.to_vec();
+    let source = Times { info, times, at: 0, broken: None, gap_at: None, first };
     Stream { name, source: Box::new(source) }
 }
 
@@ -114,6 +124,58 @@ fn a_gap_in_one_recording_ends_it_and_in_both_does_not() {
         assert!(message.contains(&format!("before frame 2 of the {name} source")), "{message}");
         assert!(message.contains("2 pairs"), "{message}");
     }
+}
+
+#[test]
+fn equal_lengths_with_other_numbers_are_refused_and_both_named() {
+    let both = |left, right| {
+        let stream = |name, first| labelled(name, first, &[0.0, 0.1], Labels::Numbers);
+        run(stream("left", left), Some(stream("right", right)), 9)
+    };
+    assert_eq!(both(3, 3).1.unwrap(), End::Exhausted);
+    for (left, right, lacks) in
+        [(0, 1, "the right source lacks picture 0"), (5, 2, "the left source lacks picture 2")]
+    {
+        let (seen, end) = both(left, right);
+        let error = end.unwrap_err();
+        let message = error.to_string();
+        assert_eq!(seen.len(), 0);
+        assert!(
+            message.contains(&format!("left frame {left} does not belong to right frame {right}")),
+            "{message}"
+        );
+        assert!(message.contains(lacks), "{message}");
+        assert_eq!(Failure::from(error).exit, Exit::BadArguments);
+    }
+}
+
+#[test]
+fn recorded_times_decide_whatever_the_numbers() {
+    let labels = Labels::Times { step_s: 0.1 };
+    let left = || labelled("left", 0, &[0.0, 0.1, 0.2], labels);
+    let right = labelled("right", 100, &[0.04, 0.14, 0.24], labels);
+    assert_eq!(run(left(), Some(right), 9).1.unwrap(), End::Exhausted);
+
+    let (seen, end) = run(left(), Some(labelled("right", 0, &[0.0, 0.2, 0.3], labels)), 9);
+    let error = end.unwrap_err();
+    let message = error.to_string();
+    assert_eq!(seen.len(), 1);
+    assert!(message.contains("left frame 1 was taken at 0.1 s and right frame 1 at 0.2 s"), "{message}");
+    assert!(message.contains("1 pairs before them"), "{message}");
+    assert_eq!(Failure::from(error).exit, Exit::Failed);
+}
+
+#[test]
+fn sources_of_unequal_length_are_cut_at_the_end_only_where_the_beginning_is_known() {
+    let message = |labels| {
+        let right = labelled("right", 0, &[0.0; 3], labels);
+        run(labelled("left", 0, &[0.0; 2], labels), Some(right), 9).1.unwrap_err().to_string()
+    };
+    assert!(message(Labels::Order).contains("right only if both sources begin together"));
+    assert!(
+        message(Labels::Numbers)
+            .ends_with("tracked. Cut the end of the longer one to the length of the shorter")
+    );
 }
 
 #[test]

@@ -33,7 +33,7 @@ use self::{
     negotiate::{Disagreement, negotiate},
     stream::Stream,
 };
-use super::{DEFAULT_FPS, Frame, Options, Source, SourceError, SourceInfo};
+use super::{DEFAULT_FPS, Frame, Labels, Options, Source, SourceError, SourceInfo};
 
 pub use stream::Losses;
 
@@ -123,6 +123,7 @@ impl<D: Device> Camera<D> {
             fps: agreed.fps,
             frames: None,
             live: true,
+            labels: Labels::Order,
         };
         Ok(Self { info, stride: agreed.stride, stream })
     }
