@@ -48,7 +48,10 @@ pub(super) fn footage(context: &Context) -> Outcome {
         Err(failure) => return failure,
     };
     let mut script = Command::new("python3");
-    script.args(["tests/scripts/footage.py", "--tetrad"]).arg(program).current_dir(&context.repository);
+    script
+        .args(["tests/scripts/footage.py", "--check", "--tetrad"])
+        .arg(program)
+        .current_dir(&context.repository);
     let run = context.run(&mut script, BUILD_LIMIT);
     let outcome = run.outcome();
     if run.ok { outcome.showing(run.output) } else { outcome }
