@@ -154,3 +154,30 @@ fn results_that_cannot_be_written_name_the_path() {
     fs::create_dir_all(clip.path("out/pose.csv")).unwrap();
     clip.tetrad(TRACK).refused(1, &["cannot write out/pose.csv"]);
 }
+
+#[test]
+fn an_earlier_summary_does_not_outlive_the_start_of_another_run() {
+    let clip = Clip::of("still", 2);
+    clip.tetrad(TRACK).done();
+    assert_eq!(json(&clip.path("out/summary.json"))["complete"].as_bool(), Some(true));
+    fs::remove_file(clip.frame("left", 0)).unwrap();
+    clip.tetrad(TRACK).refused(2, &["the left source lacks picture 0"]);
+    assert!(!clip.path("out/summary.json").exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn results_that_cannot_be_printed_are_a_failure() {
+    let clip = Clip::of("still", 1);
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_tetrad"))
+        .args(TRACK.split_whitespace())
+        .current_dir(&clip.dir)
+        .stdout(full)
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("cannot write to standard output"), "{stderr}");
+    assert_eq!(json(&clip.path("out/summary.json"))["complete"].as_bool(), Some(true));
+}

@@ -2,7 +2,7 @@
 //! the truth.
 
 use super::interrupt::Interrupt;
-use super::{make_dir, note, progress, say};
+use super::{make_results_dir, note, progress, say};
 use crate::balls::BallSet;
 use crate::comparison::{self, BallCounts, Comparison};
 use crate::exit::{Exit, Failure, OrExit as _};
@@ -68,7 +68,7 @@ pub(super) struct DemoArgs {
 pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let scene = scene(&args.scene)?;
     let frames = frames(args, scene.fps)?;
-    make_dir(&args.out)?;
+    make_results_dir(&args.out)?;
     let interrupt = Interrupt::listen()?;
     let mut cameras = Cameras::new(&scene);
     cameras.render(0);

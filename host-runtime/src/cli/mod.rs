@@ -8,12 +8,17 @@ mod progress;
 mod track;
 
 use crate::exit::{Exit, Failure, OrExit as _};
+use crate::output::Summary;
 use crate::settings::TrackArgs;
 use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 use std::fmt::Display;
 use std::io::{self, Write as _};
 use std::path::Path;
+use std::sync::OnceLock;
+
+/// Why a result could not be printed.
+static UNPRINTED: OnceLock<io::Error> = OnceLock::new();
 
 const AFTER_HELP: &str = "\
 SRC is /dev/videoN, a folder of numbered PNG or JPEG frames (with an optional timestamps.csv:
@@ -56,7 +61,8 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Devices => devices::run(),
         Command::Learn(args) => learn::run(&args),
         Command::Track(args) => track::run(args),
-    }
+    }?;
+    printed()
 }
 
 /// Makes the directory results go to, and those above it.
@@ -66,9 +72,36 @@ fn make_dir(dir: &Path) -> Result<(), Failure> {
         .or_exit(Exit::BadArguments)
 }
 
-/// Prints a result. A reader that went away (`tetrad ... | head`) is no error.
+/// Makes the directory of a run; the summary of an earlier one goes at once, so that it never stands
+/// for a run that ended before it had its own.
+fn make_results_dir(dir: &Path) -> Result<(), Failure> {
+    make_dir(dir)?;
+    Summary::remove(dir).or_exit(Exit::Failed)
+}
+
+/// Prints a result. A reader that went away (`tetrad ... | head`) is no error; a disk that is full is
+/// one, and [`printed`] tells of it at the end.
 fn say(text: impl Display) {
-    let _ = writeln!(io::stdout(), "{text}");
+    if let Err(error) = writeln!(io::stdout(), "{text}")
+        && error.kind() != io::ErrorKind::BrokenPipe
+    {
+        // only the first is of interest
+        let _ = UNPRINTED.set(error);
+    }
+}
+
+/// Fails when a result could not be printed.
+fn printed() -> Result<(), Failure> {
+    // results that were buffered reach the file only here
+    let flushed = io::stdout().flush();
+    let failed = |cause: &io::Error| {
+        Failure::new(Exit::Failed, anyhow::anyhow!("{cause}").context("cannot write to standard output"))
+    };
+    match (UNPRINTED.get(), flushed) {
+        (Some(cause), _) => Err(failed(cause)),
+        (None, Err(cause)) if cause.kind() != io::ErrorKind::BrokenPipe => Err(failed(&cause)),
+        _ => Ok(()),
+    }
 }
 
 /// Tells the user something beside the results.

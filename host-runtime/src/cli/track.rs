@@ -1,7 +1,7 @@
 //! `tetrad track`: footage or live cameras in, CSV files out.
 
 use super::interrupt::Interrupt;
-use super::{make_dir, note, progress, say};
+use super::{make_results_dir, note, progress, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::learning;
 use crate::output::{RecordedCamera, Recorder, Stamp, Summary};
@@ -34,7 +34,7 @@ DIR gets observations.csv, pose.csv, motion.csv and summary.json. Ctrl-C ends a 
 pub(super) fn run(args: TrackArgs) -> Result<(), Failure> {
     let settings = TrackSettings::new(args)?;
     let mut streams = open(&settings)?;
-    make_dir(&settings.out)?;
+    make_results_dir(&settings.out)?;
     if !settings.has_pose() {
         let reason = if settings.cameras.len() < 2 { "one camera" } else { "no rigid frame of four balls" };
         note(format_args!("{reason}: pose.csv and motion.csv get no rows"));

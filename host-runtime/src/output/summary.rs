@@ -171,8 +171,30 @@ struct Report<'a> {
     pose: &'a BTreeMap<String, u64>,
 }
 
+/// The file's name.
+const FILE_NAME: &str = "summary.json";
+
+/// What it is called until it is whole.
+const UNFINISHED_NAME: &str = "summary.json.part";
+
 impl Summary {
-    /// Writes `summary.json` into `dir`.
+    /// Removes what an earlier run left in `dir`, so that its summary is not taken for this one's.
+    ///
+    /// # Errors
+    /// [`OutputError`] when there is one that cannot be removed.
+    pub fn remove(dir: &Path) -> Result<(), OutputError> {
+        for path in [FILE_NAME, UNFINISHED_NAME].map(|name| dir.join(name)) {
+            match std::fs::remove_file(&path) {
+                Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
+                    return Err(OutputError { path, cause });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes `summary.json` into `dir`: all of it, or nothing under that name.
     ///
     /// # Errors
     /// [`OutputError`] when it cannot be written.
@@ -186,12 +208,13 @@ impl Summary {
             cameras: self.cameras.iter().map(|(name, camera)| (*name, camera.report())).collect(),
             pose: &self.pose_states,
         };
-        let path = dir.join("summary.json");
+        let (path, unfinished) = (dir.join(FILE_NAME), dir.join(UNFINISHED_NAME));
         serde_json::to_vec_pretty(&report)
             .map_err(io::Error::from)
             .and_then(|mut json| {
                 json.push(b'\n');
-                std::fs::write(&path, json)
+                std::fs::write(&unfinished, json)?;
+                std::fs::rename(&unfinished, &path)
             })
             .map_err(|cause| OutputError { path, cause })
     }
@@ -247,5 +270,11 @@ mod tests {
             (read()["complete"].as_bool(), read()["stopped_by"].as_str()),
             (Some(false), Some("right ended"))
         );
+        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1, "nothing but the summary is left");
+
+        std::fs::write(dir.path().join("summary.json.part"), "{").unwrap();
+        Summary::remove(dir.path()).unwrap();
+        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 0);
+        Summary::remove(dir.path()).unwrap();
     }
 }
