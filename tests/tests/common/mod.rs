@@ -3,8 +3,10 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 use tetrad::learning::tracked_as;
-use tetrad_core::config::{LearnConfig, TrackerConfig};
+use tetrad::pipeline::{CameraStart, Pipeline};
+use tetrad_core::config::{HandConfig, LearnConfig, TrackerConfig};
 use tetrad_core::geometry::ImagePoint;
+use tetrad_core::hand::affine::Arms;
 use tetrad_core::observation::{BALLS, Ball, Observation, ObservationState};
 use tetrad_core::vision::appearance::LearntBall;
 use tetrad_core::vision::colour::Primary;
@@ -64,6 +66,41 @@ pub(crate) fn track(scene: &Scene, camera: usize, mut each: impl FnMut(&Tracked)
         scene.render_rgb(frame, camera, &mut rgb);
         let report = tracker.step(&view(scene, &rgb), time_us(scene, frame), &[None; BALLS]);
         each(&Tracked { frame, truth: scene.truth(frame, camera), report });
+    }
+}
+
+/// Tracks every frame of all cameras, in order, as the program does: the hand that they see says where
+/// each ball is next.
+pub(crate) fn track_hand(scene: &Scene, mut each: impl FnMut(usize, &Tracked)) {
+    let mut pictures = vec![Vec::new(); scene.cameras()];
+    render(scene, 0, &mut pictures);
+    let starts: Vec<CameraStart> = pictures
+        .iter()
+        .enumerate()
+        .map(|(camera, rgb)| {
+            let (view, first) = (view(scene, rgb), scene.truth(0, camera));
+            CameraStart {
+                balls: Ball::ALL.map(|ball| Some(learnt(&view, ball, &first[ball.index()]))),
+                places: Ball::ALL.map(|ball| Some(centre(&first[ball.index()]))),
+            }
+        })
+        .collect();
+    let arms = Arms::equal(scene.arm_m as f32).expect("the arms of a scene");
+    let pipeline = Pipeline::new(&starts, TrackerConfig::default(), Some(arms), HandConfig::default());
+    let mut pipeline = pipeline.expect("the balls of a scene can be tracked");
+    for frame in 0..scene.frames() {
+        render(scene, frame, &mut pictures);
+        let t_us = time_us(scene, frame);
+        let views: Vec<_> = pictures.iter().map(|rgb| (view(scene, rgb), t_us)).collect();
+        for (camera, step) in pipeline.step(&views).cameras.into_iter().enumerate() {
+            each(camera, &Tracked { frame, truth: scene.truth(frame, camera), report: step.report });
+        }
+    }
+}
+
+fn render(scene: &Scene, frame: usize, pictures: &mut [Vec<u8>]) {
+    for (camera, rgb) in pictures.iter_mut().enumerate() {
+        scene.render_rgb(frame, camera, rgb);
     }
 }
 
