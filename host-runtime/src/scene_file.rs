@@ -13,17 +13,19 @@
 use crate::balls::BallSet;
 use serde::Deserialize;
 use std::fmt;
+use std::ops::RangeInclusive;
+use tetrad_core::config::{MAX_ARM_M, MIN_ARM_M};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::{BALLS, Ball};
 
 /// Where the balls are in one camera's first frame, ordered as [`Ball::ALL`].
 pub type Seeds = [Option<ImagePoint>; BALLS];
 
-/// The largest frame rate a scene may give, in frames/s.
-pub const MAX_FPS: f64 = 10_000.0;
+/// The frame rates a scene may give, in frames/s: beyond them a figure is a mistake of units.
+pub const FPS: RangeInclusive<f64> = 0.1..=1000.0;
 
-/// The largest length a scene may give, in metres: a hand-held frame is far smaller.
-pub const MAX_LENGTH_M: f64 = 10.0;
+/// The balls a scene may have, by diameter in metres.
+pub const BALL_DIAMETER_M: RangeInclusive<f64> = 0.001..=1.0;
 
 /// A checked scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,16 +97,26 @@ impl SceneFile {
     /// seeds, and two cameras that do not name the same balls.
     pub fn parse(text: &str, file: &str) -> Result<Self, SceneError> {
         let at = |key: &str, problem: String| SceneError { file: file.into(), key: key.into(), problem };
-        let raw: Raw = serde_json::from_str(text).map_err(|e| at("", e.to_string()))?;
-        let in_range = |key: &str, value: Option<f64>, max: f64, unit: &str| match value {
-            Some(x) if !(x > 0.0 && x <= max) => {
-                Err(at(key, format!("a number above 0 and up to {max} {unit} is needed, not {x}")))
+        let raw: Raw = serde_json::from_str(text).map_err(|error| {
+            not_finite(text, &error)
+                .map_or_else(|| at("", error.to_string()), |(key, problem)| at(key, problem))
+        })?;
+        let in_range = |key: &str, value: Option<f64>, range: RangeInclusive<f64>, unit: &str| match value {
+            Some(x) if !range.contains(&x) => {
+                let (least, most) = range.into_inner();
+                Err(at(key, format!("a number from {least} to {most} {unit} is needed, not {x:?}")))
             }
             x => Ok(x),
         };
-        let fps = in_range("fps", raw.fps, MAX_FPS, "frames/s")?;
-        let arm_m = in_range("arm_m", raw.arm_m, MAX_LENGTH_M, "m")?;
-        let ball_diameter_m = in_range("ball_diameter_m", raw.ball_diameter_m, MAX_LENGTH_M, "m")?;
+        let fps = in_range("fps", raw.fps, FPS, "frames/s")?;
+        let ball_diameter_m = in_range("ball_diameter_m", raw.ball_diameter_m, BALL_DIAMETER_M, "m")?;
+        let arm_m = raw.arm_m.map(|x| x as f32);
+        if let Some(x) = arm_m.filter(|x| !(MIN_ARM_M..=MAX_ARM_M).contains(x)) {
+            return Err(at(
+                "arm_m",
+                format!("a number from {MIN_ARM_M} to {MAX_ARM_M} m is needed, not {x:?}"),
+            ));
+        }
 
         let left = seeds(&raw.seeds.left);
         let right = raw.seeds.right.as_ref().map(seeds);
@@ -130,8 +142,8 @@ impl SceneFile {
             }
         }
         let rigid = raw.rigid;
-        let metres = |x: Option<f64>| x.map(|x| x as f32);
-        Ok(Self { fps, arm_m: metres(arm_m), ball_diameter_m: metres(ball_diameter_m), rigid, left, right })
+        let ball_diameter_m = ball_diameter_m.map(|x| x as f32);
+        Ok(Self { fps, arm_m, ball_diameter_m, rigid, left, right })
     }
 
     /// The balls the scene names.
@@ -165,6 +177,25 @@ pub fn check_seeds(seeds: &Seeds, camera: &str, size: (u16, u16), file: &str) ->
         }
     }
     Ok(())
+}
+
+/// The key and the problem where the parser stumbled over a number that JSON does not have.
+fn not_finite<'a>(text: &'a str, error: &serde_json::Error) -> Option<(&'a str, String)> {
+    let line_at: usize = text.split_inclusive('\n').take(error.line().checked_sub(1)?).map(str::len).sum();
+    // the parser counts bytes and stops at the word's first or, after a sign, its second
+    let near = line_at + error.column();
+    let is_part = |c: char| c.is_ascii_alphabetic() || c == '-' || c == '+';
+    let (at, word) = [near.checked_sub(1)?, near].into_iter().find_map(|inside| {
+        let (before, after) = text.split_at_checked(inside)?;
+        let start = before.trim_end_matches(is_part).len();
+        let length = after.find(|c| !is_part(c)).unwrap_or(after.len());
+        let word = text.get(start..inside + length)?;
+        let name = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
+        matches!(name.as_str(), "nan" | "inf" | "infinity").then_some((start, word))
+    })?;
+    let key = text[..at].rsplit_once(':').and_then(|(before, _)| before.rsplit('"').nth(1)).unwrap_or("");
+    let (line, column) = (error.line(), at - line_at + 1);
+    Some((key, format!("JSON has no {word}: a number is needed at line {line} column {column}")))
 }
 
 fn seeds(raw: &RawBalls) -> Seeds {

@@ -9,9 +9,7 @@ use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// The largest arm that is believed, in millimetres: a hand-held frame is far smaller.
-pub const MAX_ARM_MM: f32 = 10_000.0;
+use tetrad_core::config::{MAX_ARM_M, MIN_ARM_M};
 
 /// How centres and poses are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -40,7 +38,7 @@ pub struct TrackArgs {
     /// A scene.json: colours are learnt where it says the balls are in the first frame
     #[arg(long, value_name = "FILE", conflicts_with = "colours_left")]
     pub scene: Option<PathBuf>,
-    /// Length of the feature frame's arms E1, E2, E3 in millimetres [default: the scene's]
+    /// Length of the feature frame's arms E1, E2, E3 in millimetres, 5 to 2000 [default: the scene's]
     #[arg(long, value_name = "MM")]
     pub arm_mm: Option<f32>,
     /// How centres and poses are computed
@@ -107,10 +105,11 @@ impl TrackSettings {
                 .help("leave --mode out, or give --mode paper"));
         }
         if let Some(mm) = args.arm_mm
-            && !(mm > 0.0 && mm <= MAX_ARM_MM)
+            && !(MIN_ARM_M..=MAX_ARM_M).contains(&metres(mm))
         {
+            let [least, most] = [MIN_ARM_M, MAX_ARM_M].map(|m| (m * 1000.0).round());
             return Err(Failure::bad_arguments(format!(
-                "--arm-mm {mm}: a length above 0 and up to {MAX_ARM_MM} mm is needed"
+                "--arm-mm {mm}: a length from {least} to {most} mm is needed"
             )));
         }
         let settings = match &args.scene {
@@ -148,7 +147,7 @@ impl TrackSettings {
                 .or_exit(Exit::BadArguments)?;
             cameras.push(CameraSettings { name, source: source.clone(), start: Start::Colours(colours) });
         }
-        let arm_m = args.arm_mm.map(|mm| mm / 1000.0);
+        let arm_m = args.arm_mm.map(metres);
         Ok(Self { cameras, balls, rigid: balls.is_all(), arm_m, fps: None, out: args.out.clone() })
     }
 
@@ -180,11 +179,15 @@ impl TrackSettings {
             cameras,
             balls,
             rigid: scene.rigid.unwrap_or(balls.is_all()),
-            arm_m: args.arm_mm.map(|mm| mm / 1000.0).or(scene.arm_m),
+            arm_m: args.arm_mm.map(metres).or(scene.arm_m),
             fps: scene.fps,
             out: args.out.clone(),
         })
     }
+}
+
+fn metres(millimetres: f32) -> f32 {
+    millimetres / 1000.0
 }
 
 fn read(file: &Path) -> Result<String, Failure> {

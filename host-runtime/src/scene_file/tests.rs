@@ -30,14 +30,51 @@ fn one_camera_and_no_lengths_are_enough() {
 #[test]
 fn every_bad_value_is_named_by_file_and_key() {
     let cases = [
-        ("\"fps\": 30", "\"fps\": 0", "scene.json: fps: a number above 0"),
-        ("\"fps\": 30", "\"fps\": NaN", "scene.json: expected value"),
+        (
+            "\"fps\": 30",
+            "\"fps\": 0",
+            "scene.json: fps: a number from 0.1 to 1000 frames/s is needed, not 0.0",
+        ),
+        (
+            "\"fps\": 30",
+            "\"fps\": 5e-324",
+            "scene.json: fps: a number from 0.1 to 1000 frames/s is needed, not 5e-324",
+        ),
+        (
+            "\"fps\": 30",
+            "\"fps\": 1e300",
+            "scene.json: fps: a number from 0.1 to 1000 frames/s is needed, not 1e300",
+        ),
+        (
+            "\"fps\": 30",
+            "\"fps\": NaN",
+            "scene.json: fps: JSON has no NaN: a number is needed at line 1 column 9",
+        ),
+        (
+            "\"fps\": 30",
+            "\"fps\": -Infinity",
+            "scene.json: fps: JSON has no -Infinity: a number is needed at line 1 column 9",
+        ),
+        (
+            "[298.1, 203.3]",
+            "[298.1, nan]",
+            "scene.json: red: JSON has no nan: a number is needed at line 3 column 37",
+        ),
+        ("\"fps\": 30", "\"fps\": x", "scene.json: expected value at line 1"),
         ("\"fps\": 30", "\"fps\": 1e999", "scene.json: number out of range"),
         ("\"fps\": 30", "\"fps\": \"30\"", "scene.json: invalid type"),
-        ("\"arm_m\": 0.08", "\"arm_m\": -0.08", "scene.json: arm_m: a number above 0"),
-        ("\"arm_m\": 0.08", "\"arm_m\": 80", "scene.json: arm_m: a number above 0 and up to 10 m"),
+        (
+            "\"arm_m\": 0.08",
+            "\"arm_m\": -0.08",
+            "scene.json: arm_m: a number from 0.005 to 2 m is needed, not -0.08",
+        ),
+        (
+            "\"arm_m\": 0.08",
+            "\"arm_m\": 80",
+            "scene.json: arm_m: a number from 0.005 to 2 m is needed, not 80",
+        ),
         ("\"arm_m\": 0.08", "\"arm_mm\": 80", "unknown field `arm_mm`"),
-        ("0.03", "0", "scene.json: ball_diameter_m: a number above 0"),
+        ("0.03", "0", "scene.json: ball_diameter_m: a number from 0.001 to 1 m"),
         ("\"green\": [352, 204]", "\"pink\": [352, 204]", "unknown field `pink`"),
         ("\"green\": [352, 204]", "\"green\": [352]", "scene.json: invalid length"),
         ("\"green\": [352, 204]", "\"red\": [352, 204]", "duplicate field `red`"),

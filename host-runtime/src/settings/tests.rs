@@ -83,6 +83,21 @@ fn a_scene_gives_seeds_rate_and_arm() {
 }
 
 #[test]
+fn the_bounds_of_an_arm_are_the_solvers_and_the_helps() {
+    use clap::CommandFactory as _;
+    let dir = files();
+    for mm in [5.0, 2000.0] {
+        let flags = format!("--left a --colours-left four.toml --arm-mm {mm} --out o");
+        let arm_m = check(&dir, &flags).unwrap().arm_m.unwrap();
+        assert!(tetrad_core::hand::affine::Arms::equal(arm_m).is_ok(), "{mm} mm");
+    }
+    let help = Flags::command().render_help().to_string();
+    // as one line, however it is wrapped
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(help.contains("in millimetres, 5 to 2000"), "{help}");
+}
+
+#[test]
 fn what_is_missing_or_contradicts_is_named() {
     let dir = files();
     let cases = [
@@ -95,7 +110,9 @@ fn what_is_missing_or_contradicts_is_named() {
             "--right is given without --colours-right",
         ),
         ("--left a --right b --colours-left four.toml --colours-right four.toml --out o", "--arm-mm"),
-        ("--left a --colours-left four.toml --arm-mm 0 --out o", "--arm-mm 0"),
+        ("--left a --colours-left four.toml --arm-mm 0 --out o", "--arm-mm 0: a length from 5 to 2000 mm"),
+        ("--left a --colours-left four.toml --arm-mm 4.9 --out o", "--arm-mm 4.9: a length from 5 to 2000"),
+        ("--left a --colours-left four.toml --arm-mm 2001 --out o", "--arm-mm 2001: a length from 5 to 2000"),
         ("--left a --colours-left four.toml --arm-mm NaN --out o", "--arm-mm NaN"),
         ("--left a --colours-left four.toml --arm-mm x --out o", "invalid value 'x'"),
         ("--left a --colours-left four.toml --mode refined --out o", "`paper` mode only"),
