@@ -31,7 +31,12 @@ impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, (ball, at, error)) in self.0.iter().enumerate() {
             let separator = if i > 0 { "\n" } else { "" };
-            write!(f, "{separator}{} at ({}, {}): {error}", ball.name(), at.u, at.v)?;
+            let name = ball.name();
+            write!(f, "{separator}{name} at ({}, {}): {error}", at.u, at.v)?;
+            // a background a little of the ball's colour is an outline too, and a large one
+            if matches!(error, LearnError::TooLarge | LearnError::NoContrast) {
+                write!(f, " (is the point inside the {name} ball?)")?;
+            }
         }
         Ok(())
     }

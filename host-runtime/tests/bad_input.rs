@@ -169,15 +169,16 @@ fn an_earlier_summary_does_not_outlive_the_start_of_another_run() {
 #[test]
 fn results_that_cannot_be_printed_are_a_failure() {
     let clip = Clip::of("still", 1);
-    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_tetrad"))
-        .args(TRACK.split_whitespace())
-        .current_dir(&clip.dir)
-        .stdout(full)
-        .output()
-        .unwrap();
+    let print = |arguments: &str| {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_tetrad"));
+        program.args(arguments.split_whitespace()).current_dir(&clip.dir).stdout(full).output().unwrap()
+    };
+    let output = print(TRACK);
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{stderr}");
     assert!(stderr.contains("cannot write to standard output"), "{stderr}");
     assert_eq!(json(&clip.path("out/summary.json"))["complete"].as_bool(), Some(true));
+    assert_eq!(print("--help").status.code(), Some(1));
+    assert_eq!(print("trakc").status.code(), Some(2));
 }

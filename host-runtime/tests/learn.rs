@@ -4,7 +4,10 @@ mod common;
 
 use common::{Clip, csv};
 use tetrad::colours::Colours;
+use tetrad::learning::Refused;
+use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::Ball;
+use tetrad_core::vision::learn::LearnError;
 
 fn at(clip: &Clip, ball: Ball) -> String {
     let (u, v) = clip.seed(0, ball);
@@ -130,4 +133,30 @@ fn where_there_are_no_balls_nothing_is_proposed() {
     let find = "learn --source left --find --yes --out l.toml";
     clip.tetrad(find).refused(1, &["left: no ball found", "red green blue yellow", "--at"]);
     assert!(!clip.path("l.toml").exists());
+}
+
+#[test]
+fn both_cameras_colours_cannot_go_to_one_file() {
+    let clip = Clip::of("demo", 1);
+    std::fs::create_dir(clip.path("d")).unwrap();
+    for right in ["q", "./q", "d/../q"] {
+        let find = "learn --source left --right-source right --find --yes --out q --out-right";
+        clip.tetrad(&format!("{find} {right}")).refused(2, &["--out q", "--out-right", "same file"]);
+    }
+    assert!(!clip.path("q").exists());
+}
+
+#[test]
+fn a_large_patch_of_the_balls_colour_asks_whether_the_point_is_in_the_ball() {
+    let clip = Clip::of("still", 1);
+    let red = |i: usize| (20..620).contains(&(i % 640)) && (20..460).contains(&(i / 640));
+    let reddish: Vec<u8> =
+        (0..640 * 480).flat_map(|i| if red(i) { [150, 40, 40] } else { [120; 3] }).collect();
+    let (rgb, eight) = (png::ColorType::Rgb, png::BitDepth::Eight);
+    common::write_png(&clip.frame("left", 0), (640, 480), rgb, eight, &reddish);
+    clip.tetrad("learn --source left --at red=320,240 --out c.toml")
+        .refused(1, &["red at (320, 240)", "is the point inside the red ball?"]);
+    let refused = |why| Refused(vec![(Ball::Red, ImagePoint::new(1.0, 1.0), why)]).to_string();
+    assert!(refused(LearnError::TooLarge).ends_with("(is the point inside the red ball?)"));
+    assert!(!refused(LearnError::TooSmall).contains("is the point"));
 }

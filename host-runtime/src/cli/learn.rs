@@ -135,6 +135,11 @@ fn point(args: &LearnArgs) -> Result<(), Failure> {
 
 /// Proposes the four balls and learns them once that is confirmed.
 fn find(args: &LearnArgs) -> Result<(), Failure> {
+    if let Some(right) = args.out_right.as_ref().filter(|right| same_file(&args.out, right)) {
+        let (out, right) = (args.out.display(), right.display());
+        return Err(Failure::bad_arguments(format!("--out {out} and --out-right {right} are the same file"))
+            .help("give each camera a colours file of its own"));
+    }
     let mut cameras = vec![Camera::open(&args.source, args.view.into(), &args.out)?];
     if let (Some(source), Some(out)) = (&args.right_source, &args.out_right) {
         cameras.push(Camera::open(source, View::Right, out)?);
@@ -168,6 +173,20 @@ fn find(args: &LearnArgs) -> Result<(), Failure> {
         return Err(Failure::new(Exit::Failed, anyhow::anyhow!("not confirmed: nothing is written")));
     }
     cameras.iter().zip(&found).try_for_each(|(camera, taught)| camera.save(args.frame, taught))
+}
+
+/// Whether two paths lead to one file, which need not be there yet.
+fn same_file(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| {
+        let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        absolute.canonicalize().unwrap_or_else(|_| {
+            match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {
+                (Some(Ok(parent)), Some(name)) => parent.join(name),
+                _ => absolute,
+            }
+        })
+    };
+    resolved(a) == resolved(b)
 }
 
 /// Asks on the terminal.
