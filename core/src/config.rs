@@ -147,7 +147,9 @@ pub struct ValidationConfig {
     pub confirmations: u8,
     /// How much of the way to the measured colour a reference goes each frame, 1/256.
     pub follow_256: u16,
-    /// How far (D of section 2, brightness taken out) a reference may drift from the learnt colour.
+    /// How far (D of section 2, brightness taken out) a reference or typical colour may drift from the
+    /// learnt one. Measured on footage: at 0.12 a red ball that passed an orange one is not followed
+    /// into it, and every change of light is.
     pub max_drift: f32,
     /// Radius around the place that the other balls suggest in which a lost ball may come back,
     /// in largest distances between two balls.

@@ -181,10 +181,13 @@ impl Appearance {
         })
     }
 
-    /// Takes typical and background colour from a detection, each unless it would leave no contrast:
-    /// then the former stays.
-    pub fn follow(&mut self, typical: Option<Rgb>, background: Option<Rgb>) {
-        if let Some(typical) = typical {
+    /// Takes typical and background colour from a detection, each unless it would leave no contrast,
+    /// and the typical one unless it is of another hue than was taught (see `max_drift` in
+    /// [`ValidationConfig`]): then the former stays.
+    pub fn follow(&mut self, typical: Option<Rgb>, background: Option<Rgb>, max_drift: f32) {
+        if let Some(typical) = typical
+            && drift(self.learnt.reference.typical, typical) <= max_drift
+        {
             self.take(Reference { typical, ..self.current });
         }
         if let Some(background) = background {
@@ -319,7 +322,7 @@ mod tests {
     fn the_reference_waits_for_confirmations_and_starts_again_after_a_doubt() {
         let config = TrackerConfig::default().validation;
         let mut a = Appearance::new(red()).unwrap();
-        a.follow(Some(Rgb::new(150, 25, 25)), None);
+        a.follow(Some(Rgb::new(150, 25, 25)), None, 0.12);
         for _ in 1..config.confirmations {
             a.confirm(&config);
         }
@@ -338,7 +341,7 @@ mod tests {
         let config = TrackerConfig::default().validation;
         let mut a = Appearance::new(red()).unwrap();
         for _ in 0..200 {
-            a.follow(Some(Rgb::new(95, 17, 17)), Some(Rgb::new(60, 60, 60)));
+            a.follow(Some(Rgb::new(95, 17, 17)), Some(Rgb::new(60, 60, 60)), 0.12);
             a.confirm(&config);
         }
         let r = a.current().reference;
@@ -350,7 +353,7 @@ mod tests {
         let config = TrackerConfig::default().validation;
         let mut a = Appearance::new(red()).unwrap();
         for _ in 0..500 {
-            a.follow(Some(Rgb::new(200, 160, 40)), None);
+            a.follow(Some(Rgb::new(200, 160, 40)), None, 0.12);
             a.confirm(&config);
         }
         assert!(drift(red().reference.reference, a.current().reference) <= config.max_drift);
@@ -362,8 +365,8 @@ mod tests {
     fn colours_without_contrast_are_not_taken() {
         let mut a = Appearance::new(red()).unwrap();
         let before = *a.current();
-        a.follow(Some(Rgb::new(120, 120, 120)), None);
-        a.follow(None, Some(Rgb::new(200, 30, 30)));
+        a.follow(Some(Rgb::new(120, 120, 120)), None, 0.12);
+        a.follow(None, Some(Rgb::new(200, 30, 30)), 0.12);
         assert_eq!(*a.current(), before);
     }
 

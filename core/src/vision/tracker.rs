@@ -292,7 +292,7 @@ impl CameraTracker {
                 let background =
                     background_around(frame, find.centre, size, &find.matcher, ceiling, rank, tested);
                 let typical = (find.score >= c.shape.whole_score).then_some(find.blob.colour);
-                track.appearance.follow(typical, background);
+                track.appearance.follow(typical, background, c.validation.max_drift);
                 // Beside another ball the size stays that of the last pass without occlusion (3.4).
                 if find.whole && !find.touching {
                     track.clean = Clean::of(&find.blob);
