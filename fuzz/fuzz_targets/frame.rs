@@ -5,20 +5,9 @@
 use libfuzzer_sys::fuzz_target;
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
 
-const FORMATS: [PixelFormat; 8] = [
-    PixelFormat::Rgb888,
-    PixelFormat::Bgr888,
-    PixelFormat::Rgba8888,
-    PixelFormat::Rgb565Le,
-    PixelFormat::Rgb565Be,
-    PixelFormat::Yuyv,
-    PixelFormat::Uyvy,
-    PixelFormat::Nv12,
-];
-
 fuzz_target!(|input: (u16, u16, usize, u8, i32, i32, &[u8])| {
     let (width, height, stride, format, x, y, data) = input;
-    let format = FORMATS[usize::from(format) % FORMATS.len()];
+    let format = PixelFormat::ALL[usize::from(format) % PixelFormat::ALL.len()];
     // Small sizes as often as impossible ones: most buffers are too short for anything else.
     for (width, height) in [(width, height), (width % 64, height % 64)] {
         for stride in [stride, format.row_bytes(usize::from(width)), stride % 512] {

@@ -76,17 +76,6 @@ mod tests {
     use super::*;
     use tetrad_core::vision::frame::FrameView;
 
-    const ALL: [PixelFormat; 8] = [
-        PixelFormat::Rgb888,
-        PixelFormat::Bgr888,
-        PixelFormat::Rgba8888,
-        PixelFormat::Rgb565Le,
-        PixelFormat::Rgb565Be,
-        PixelFormat::Yuyv,
-        PixelFormat::Uyvy,
-        PixelFormat::Nv12,
-    ];
-
     /// 2 x 2 blocks of one colour, so that shared chroma costs nothing.
     fn blocks(width: u16, height: u16) -> Vec<u8> {
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x / 2, y / 2)));
@@ -99,7 +88,7 @@ mod tests {
     fn every_format_reads_back_as_what_it_was() {
         let (width, height) = (32, 24);
         let rgb = blocks(width, height);
-        for format in ALL {
+        for format in PixelFormat::ALL {
             let bytes = to_format(&rgb, width, height, format);
             let view = FrameView::packed(&bytes, width, height, format).expect("a whole picture");
             // eight bits of limited-range YUV keep colours to 2 or 3 levels, five bits to 4

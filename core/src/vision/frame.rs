@@ -54,6 +54,18 @@ pub enum PixelFormat {
 }
 
 impl PixelFormat {
+    /// Every format there is.
+    pub const ALL: [Self; 8] = [
+        Self::Rgb888,
+        Self::Bgr888,
+        Self::Rgba8888,
+        Self::Rgb565Le,
+        Self::Rgb565Be,
+        Self::Yuyv,
+        Self::Uyvy,
+        Self::Nv12,
+    ];
+
     /// Bytes in one row of pixels without padding (for NV12: of the Y plane).
     #[must_use]
     pub const fn row_bytes(self, width: usize) -> usize {

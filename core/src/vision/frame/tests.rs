@@ -2,8 +2,6 @@ use super::*;
 use FrameError::{Empty, OddHeight, OddWidth, StrideTooSmall, TooLarge, WrongLength};
 use PixelFormat::{Bgr888, Nv12, Rgb565Be, Rgb565Le, Rgb888, Rgba8888, Uyvy, Yuyv};
 
-const FORMATS: [PixelFormat; 8] = [Rgb888, Bgr888, Rgba8888, Rgb565Le, Rgb565Be, Yuyv, Uyvy, Nv12];
-
 const SHARES_COLUMNS: [PixelFormat; 3] = [Yuyv, Uyvy, Nv12];
 
 /// Bytes that no picture below is made of: read by mistake they give another colour.
@@ -234,7 +232,7 @@ fn nv12_shares_chroma_between_two_columns_and_two_rows() {
 
 #[test]
 fn a_picture_without_pixels_is_refused() {
-    for format in FORMATS {
+    for format in PixelFormat::ALL {
         for size in [(0, 0), (0, 2), (2, 0)] {
             assert_eq!(refusal(&[0; 64], size, 8, format), Some(Empty), "{format:?}");
         }
@@ -245,7 +243,7 @@ fn a_picture_without_pixels_is_refused() {
 fn a_picture_over_the_largest_side_is_refused() {
     // The widest row of all formats, of four bytes a pixel.
     static ROW: [u8; 4 * MAX_SIDE as usize] = [0; 4 * MAX_SIDE as usize];
-    for format in FORMATS {
+    for format in PixelFormat::ALL {
         // Even, and odd: it is too large before it is anything else.
         for side in [MAX_SIDE + 1, MAX_SIDE + 2, u16::MAX] {
             for size in [(side, 2), (2, side)] {
@@ -264,7 +262,7 @@ fn a_picture_over_the_largest_side_is_refused() {
 
 #[test]
 fn an_odd_width_is_refused_where_columns_share_chroma() {
-    for format in FORMATS {
+    for format in PixelFormat::ALL {
         let row = format.row_bytes(3);
         let expected = SHARES_COLUMNS.contains(&format).then_some(OddWidth);
         let length = row * format.rows(2);
@@ -274,7 +272,7 @@ fn an_odd_width_is_refused_where_columns_share_chroma() {
 
 #[test]
 fn an_odd_height_is_refused_where_rows_share_chroma() {
-    for format in FORMATS {
+    for format in PixelFormat::ALL {
         let row = format.row_bytes(2);
         let expected = (format == Nv12).then_some(OddHeight);
         let length = row * format.rows(3);
@@ -285,7 +283,7 @@ fn an_odd_height_is_refused_where_rows_share_chroma() {
 #[test]
 fn a_stride_below_a_row_is_refused() {
     let bytes = [12, 12, 16, 8, 8, 8, 8, 4];
-    for (format, needed) in FORMATS.into_iter().zip(bytes) {
+    for (format, needed) in PixelFormat::ALL.into_iter().zip(bytes) {
         for given in [0, 1, needed - 1] {
             let refused = refusal(&[0; 64], (4, 2), given, format);
             assert_eq!(refused, Some(StrideTooSmall { needed, given }), "{format:?}");
@@ -298,7 +296,7 @@ fn a_stride_below_a_row_is_refused() {
 #[test]
 fn a_stride_whose_rows_overflow_is_refused() {
     let data = [0; 24];
-    for format in FORMATS {
+    for format in PixelFormat::ALL {
         for stride in [usize::MAX, usize::MAX / 2, usize::MAX / 8 + 1] {
             let refused = refusal(&data, (8, 16), stride, format);
             assert_eq!(refused, Some(WrongLength { needed: usize::MAX, given: 24 }), "{format:?}");

@@ -5,20 +5,9 @@
 use core::hint::black_box;
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
 
-const FORMATS: [PixelFormat; 8] = [
-    PixelFormat::Rgb888,
-    PixelFormat::Bgr888,
-    PixelFormat::Rgba8888,
-    PixelFormat::Rgb565Le,
-    PixelFormat::Rgb565Be,
-    PixelFormat::Yuyv,
-    PixelFormat::Uyvy,
-    PixelFormat::Nv12,
-];
-
 tetrad_no_panic::program!({
     let data: &[u8] = black_box(&[0; 64]);
-    for format in FORMATS {
+    for format in PixelFormat::ALL {
         let frame = FrameView::new(data, black_box(4), black_box(4), black_box(16), black_box(format));
         if let Ok(frame) = frame {
             black_box(frame.pixel(black_box(-1), black_box(3)));
