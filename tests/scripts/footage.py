@@ -231,6 +231,10 @@ colour (juggling_tv_red_yellow: two yellow; marbles_cg_rgby: several of each), a
 frame as soon as *any* ball of that colour is, whichever it was in the frame before. Nothing is aimed
 at, and nothing is said, about which of them it is; **found, each label** is the stricter figure.
 
+**These are not held-out figures.** The tracker's thresholds (config.rs: the retries of eq. 1, the
+scores, `max_drift`) were chosen by looking at how these same clips came out. On footage that nobody
+tuned for, expect less.
+
 ## What the figures mean
 
 - A run starts at the first frame in which every tracked colour has a label `visible`; the colours are
