@@ -4,9 +4,13 @@
 //! can be told the same. Numbers that nobody is meant to turn (weights inside a score, how far a
 //! prediction is trusted) are named constants at the top of the file that uses them.
 
+mod filter;
 mod hand;
 mod learn;
 
+pub use filter::{
+    FilterConfig, FilterConfigError, MAX_COAST_US, MAX_LEAD_US, OneEuroConfig, Prediction, Smoothing,
+};
 pub use hand::{HandConfig, MAX_ARM_M, MIN_ARM_M};
 pub use learn::{LearnConfig, ProposeConfig};
 

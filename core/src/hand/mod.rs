@@ -5,6 +5,7 @@
 //! | affine | [`affine`] | reference views, a point in each -> its coordinates (eq. 5 to 8) | [`affine::AffineRefusal`] |
 //! | orientation | [`orientation`] | three arms -> a proper rotation (eq. 4, Gram-Schmidt) | [`orientation::OrientationRefusal`] |
 //! | motion | [`motion`] | observations -> alpha, Phi and the pose since engage | [`motion::MotionRefusal`] |
+//! | filter | [`filter`] | measured poses -> smoothed, and where the hand will be | [`filter::FilterRefusal`] |
 //!
 //! Nothing here knows a left or a right camera: views are a list, and a view is known by its
 //! place in it. Nothing here panics: what cannot be solved is refused by a value with a reason.
@@ -14,6 +15,8 @@ pub mod affine;
 pub mod orientation;
 
 pub mod motion;
+
+pub mod filter;
 
 #[cfg(test)]
 pub(crate) mod synthetic;
