@@ -4,10 +4,12 @@
 //! can be told the same. Numbers that nobody is meant to turn (weights inside a score, how far a
 //! prediction is trusted) are named constants at the top of the file that uses them.
 
+mod centre;
 mod filter;
 mod hand;
 mod learn;
 
+pub use centre::{CentreConfig, CentreMode};
 pub use filter::{
     FilterConfig, FilterConfigError, MAX_COAST_US, MAX_LEAD_US, OneEuroConfig, Prediction, Smoothing,
 };
@@ -177,6 +179,8 @@ pub struct TrackerConfig {
     pub colour: ColourConfig,
     /// Section 3.2.
     pub search: SearchConfig,
+    /// Section 3.3.
+    pub centre: CentreConfig,
     /// Shape.
     pub shape: ShapeConfig,
     /// Section 3.4.
@@ -213,6 +217,7 @@ impl Default for TrackerConfig {
                 global_budget: 4.0,
                 max_spirals: 400,
             },
+            centre: CentreConfig::default(),
             shape: ShapeConfig {
                 min_area: 7,
                 min_diameter: 8.0,
@@ -285,6 +290,12 @@ impl fmt::Display for ConfigError {
 impl core::error::Error for ConfigError {}
 
 impl TrackerConfig {
+    /// `paper` mode: the row-edge centre of eq. 2.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self { centre: CentreConfig { mode: CentreMode::RowEdge }, ..Self::default() }
+    }
+
     /// Whether every setting can be worked with.
     ///
     /// # Errors

@@ -79,6 +79,40 @@ impl ObservationState {
     }
 }
 
+/// How well a point in a picture is known: the covariance of measured minus true, px^2.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ImageCovariance {
+    /// The variance of `u`.
+    pub uu: f32,
+    /// The covariance of `u` and `v`.
+    pub uv: f32,
+    /// The variance of `v`.
+    pub vv: f32,
+}
+
+impl ImageCovariance {
+    /// The same standard deviation, px, in every direction.
+    #[must_use]
+    pub const fn isotropic(sigma_px: f32) -> Self {
+        let variance = sigma_px * sigma_px;
+        Self { uu: variance, uv: 0.0, vv: variance }
+    }
+
+    /// Whether it is one: finite, and no direction with a negative variance.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        // rounding may leave a line's determinant just below zero
+        let slack = 1e-5 * self.uu * self.vv;
+        self.uu.is_finite()
+            && self.uv.is_finite()
+            && self.vv.is_finite()
+            && self.uu >= 0.0
+            && self.vv >= 0.0
+            && self.uu * self.vv + slack >= self.uv * self.uv
+    }
+}
+
 /// One ball in one picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -89,6 +123,10 @@ pub struct Observation {
     pub centre: ImagePoint,
     /// The ball's diameter in pixels: of the last pass without occlusion when hidden.
     pub diameter: f32,
+    /// How well the centre is known, px^2; zero when `state` is `Lost`.
+    pub covariance: ImageCovariance,
+    /// The share of the rim that was seen, 0 to 1; 0 when it was not measured.
+    pub visible: f32,
 }
 
 /// The four balls in one picture, ordered as [`Ball::ALL`].

@@ -1,7 +1,7 @@
 //! What was seen against what is true, for simulated scenes.
 
 use crate::output::Spread;
-use crate::pipeline::Step;
+use crate::pipeline::{HandStep, Step};
 use nalgebra::{Matrix3, Vector3};
 use tetrad_core::geometry::Pose;
 use tetrad_core::observation::{BALLS, ObservationState};
@@ -65,8 +65,8 @@ impl Comparison {
                 }
             }
         }
-        let Some(hand_step) = &step.hand else { return };
-        let (Ok(motion), Some(pose)) = (&hand_step.motion, &hand_step.pose) else { return };
+        let Some(HandStep { report, .. }) = &step.hand else { return };
+        let (Ok(motion), Some(pose)) = (&report.motion, &report.pose) else { return };
         self.tracked += 1;
         let first = *self.first.get_or_insert(hand);
         let (position_m, angle_rad) = difference(pose, &first, &hand);
@@ -159,7 +159,12 @@ mod tests {
     /// A step of one camera that sees the red ball at (100, 100) and nothing else.
     fn step_with_red(state: ObservationState) -> Step {
         let mut report = StepReport::default();
-        report.observations[0] = Observation { state, centre: ImagePoint::new(100.0, 100.0), diameter: 16.0 };
+        report.observations[0] = Observation {
+            state,
+            centre: ImagePoint::new(100.0, 100.0),
+            diameter: 16.0,
+            ..Observation::default()
+        };
         Step { cameras: vec![CameraStep { report, tracking: Duration::ZERO }], hand: None }
     }
 

@@ -78,6 +78,7 @@ pub fn start_with(taught: &Taught) -> CameraStart {
     CameraStart {
         balls: taught.map(|learnt| learnt.as_ref().map(tracked_as)),
         places: taught.map(|learnt| learnt.map(|learnt| learnt.centre)),
+        focal_px: None,
     }
 }
 

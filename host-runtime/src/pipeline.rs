@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! frame ----> CameraTracker ----> observations --+
-//! frame ----> CameraTracker ----> observations --+--> MotionTracker ----> motion, pose
-//!                   ^                                      |
-//!                   +------ where each ball is next -------+
+//! frame ----> CameraTracker ----> observations --+--> HandTracker ----> motion, pose
+//!                   ^                                     |
+//!                   +------ where each ball is next ------+
 //! ```
 //!
 //! No files and no clock of its own but the stopwatch around each tracker: `track`, `demo` and the
@@ -12,10 +12,11 @@
 
 use std::time::{Duration, Instant};
 use tetrad_core::config::{HandConfig, TrackerConfig};
-use tetrad_core::geometry::{ImagePoint, Pose};
+use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::Arms;
-use tetrad_core::hand::motion::{Motion, MotionRefusal, MotionTracker, PoseState};
-use tetrad_core::observation::{BALLS, Ball, Observations};
+use tetrad_core::hand::tracker::{HandMode, HandReport, HandTracker};
+use tetrad_core::hand::view::{CameraModel, HandView};
+use tetrad_core::observation::{BALLS, Ball};
 use tetrad_core::vision::appearance::LearntBall;
 use tetrad_core::vision::frame::FrameView;
 use tetrad_core::vision::tracker::{CameraTracker, StepReport, TrackerError};
@@ -27,13 +28,49 @@ pub struct CameraStart {
     pub balls: [Option<LearntBall>; BALLS],
     /// Where they are in the first frame, pixels; `None` where that is to be searched for.
     pub places: [Option<ImagePoint>; BALLS],
+    /// Its nominal focal length, px; `None` where nobody knows:
+    /// [`CameraModel::NOMINAL_FOCAL_WIDTHS`] picture widths.
+    pub focal_px: Option<f32>,
 }
 
 impl CameraStart {
     /// Balls that are to be searched for.
     #[must_use]
     pub const fn anywhere(balls: [Option<LearntBall>; BALLS]) -> Self {
-        Self { balls, places: [None; BALLS] }
+        Self { balls, places: [None; BALLS], focal_px: None }
+    }
+}
+
+/// How everything is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PipelineConfig {
+    /// One camera's stages.
+    pub tracker: TrackerConfig,
+    /// How the pose is computed.
+    pub hand_mode: HandMode,
+    /// The hand's stages.
+    pub hand: HandConfig,
+}
+
+impl PipelineConfig {
+    /// The paper's methods throughout.
+    #[must_use]
+    pub fn paper() -> Self {
+        let (tracker, hand) = (TrackerConfig::paper(), HandConfig::default());
+        Self { tracker, hand_mode: HandMode::Paper, hand }
+    }
+
+    /// The finer ones, which are the default.
+    #[must_use]
+    pub fn refined() -> Self {
+        let (tracker, hand) = (TrackerConfig::default(), HandConfig::default());
+        Self { tracker, hand_mode: HandMode::Refined, hand }
+    }
+}
+
+impl Default for PipelineConfig {
+    fn default() -> Self {
+        Self::refined()
     }
 }
 
@@ -49,13 +86,10 @@ pub struct CameraStep {
 /// What is known of the hand after a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandStep {
-    /// The motion since the last complete frame, or why there is none.
-    pub motion: Result<Motion, MotionRefusal>,
-    /// Where the hand is, in the feature frame of the first complete frame (or of the last engage);
-    /// `None` before it, and when the hand has been away for too long.
-    pub pose: Option<Pose>,
-    /// How the pose is known.
-    pub state: PoseState,
+    /// Motion, pose and how well it is known.
+    pub report: HandReport,
+    /// How long the solver took.
+    pub solving: Duration,
 }
 
 /// What came of one frame of each camera.
@@ -70,17 +104,14 @@ pub struct Step {
 /// Trackers of all cameras, and of the hand they see.
 #[derive(Clone, Debug)]
 pub struct Pipeline {
-    cameras: Vec<CameraTracker>,
-    hand: Option<Hand>,
+    cameras: Vec<Camera>,
+    hand: Option<HandTracker>,
 }
 
 #[derive(Clone, Debug)]
-struct Hand {
-    tracker: MotionTracker,
-    /// Frames without a motion for which the last pose still stands for the hand.
-    hold_frames: u32,
-    /// Frames without a motion since the last; `None` before the first motion.
-    missed: Option<u32>,
+struct Camera {
+    tracker: CameraTracker,
+    focal_px: Option<f32>,
 }
 
 impl Pipeline {
@@ -91,66 +122,64 @@ impl Pipeline {
     /// The camera's place in the list and the [`TrackerError`] that names its setting or ball.
     pub fn new(
         starts: &[CameraStart],
-        tracker: TrackerConfig,
+        config: PipelineConfig,
         arms: Option<Arms>,
-        hand: HandConfig,
     ) -> Result<Self, (usize, TrackerError)> {
         let mut cameras = Vec::new();
-        for (camera, CameraStart { balls, places }) in starts.iter().enumerate() {
-            let mut started = CameraTracker::new(tracker, *balls).map_err(|error| (camera, error))?;
+        for (camera, CameraStart { balls, places, focal_px }) in starts.iter().enumerate() {
+            let mut tracker = CameraTracker::new(config.tracker, *balls).map_err(|error| (camera, error))?;
             for (ball, place) in Ball::ALL.into_iter().zip(places) {
                 if let Some(place) = place {
-                    started.place(ball, *place);
+                    tracker.place(ball, *place);
                 }
             }
-            cameras.push(started);
+            cameras.push(Camera { tracker, focal_px: *focal_px });
         }
-        let hand = arms.map(|arms| Hand {
-            tracker: MotionTracker::new(arms, hand),
-            hold_frames: hand.max_predicted_frames,
-            missed: None,
-        });
+        let hand = arms.map(|arms| HandTracker::new(config.hand_mode, arms, config.hand));
         Ok(Self { cameras, hand })
     }
 
+    /// Latches the hand: from the next step on the pose is told from where the hand is now.
+    pub fn engage(&mut self) {
+        if let Some(hand) = &mut self.hand {
+            hand.engage();
+        }
+    }
+
     /// Takes one frame of each camera in their order, each with its time in microseconds of any clock
-    /// that goes forward. Cameras beyond the frames given are left out.
+    /// that goes forward. Cameras beyond the frames given are left out. The hand's time is the first
+    /// camera's.
     pub fn step(&mut self, frames: &[(FrameView<'_>, u64)]) -> Step {
         let hand = &self.hand;
-        let predictions = |view| hand.as_ref().map_or([None; BALLS], |hand| hand.tracker.predict(view));
+        let predictions = |view, t_us| hand.as_ref().map_or([None; BALLS], |hand| hand.predict(view, t_us));
         let cameras: Vec<CameraStep> = self
             .cameras
             .iter_mut()
             .zip(frames)
             .enumerate()
-            .map(|(view, (tracker, (frame, t_us)))| {
-                let prediction = predictions(view);
+            .map(|(view, (camera, (frame, t_us)))| {
+                let prediction = predictions(view, *t_us);
                 let started = Instant::now();
-                let report = tracker.step(frame, *t_us, &prediction);
+                let report = camera.tracker.step(frame, *t_us, &prediction);
                 CameraStep { report, tracking: started.elapsed() }
             })
             .collect();
+        let views: Vec<HandView> = cameras
+            .iter()
+            .zip(&self.cameras)
+            .zip(frames)
+            .map(|((step, camera), (frame, _))| {
+                let nominal = CameraModel::nominal(frame.width(), frame.height());
+                let focal_px = camera.focal_px.unwrap_or(nominal.focal_px);
+                HandView { balls: step.report.observations, camera: CameraModel { focal_px, ..nominal } }
+            })
+            .collect();
+        let t_us = frames.first().map_or(0, |(_, t_us)| *t_us);
         let hand = self.hand.as_mut().map(|hand| {
-            let views: Vec<Observations> = cameras.iter().map(|camera| camera.report.observations).collect();
-            hand.step(&views)
+            let started = Instant::now();
+            let report = hand.update(&views, t_us);
+            HandStep { report, solving: started.elapsed() }
         });
         Step { cameras, hand }
-    }
-}
-
-impl Hand {
-    fn step(&mut self, views: &[Observations]) -> HandStep {
-        let motion = self.tracker.update(views);
-        self.missed = match &motion {
-            Ok(_) => Some(0),
-            Err(_) => self.missed.map(|n| n.saturating_add(1)),
-        };
-        let state = match (&motion, self.missed) {
-            (Ok(motion), _) => motion.state(),
-            (Err(_), Some(missed)) if missed <= self.hold_frames => PoseState::Held,
-            (Err(_), _) => PoseState::Lost,
-        };
-        let pose = (state != PoseState::Lost).then(|| *self.tracker.since_engage());
-        HandStep { motion, pose, state }
     }
 }

@@ -4,6 +4,7 @@
 use crate::balls::BallSet;
 use crate::colours::Colours;
 use crate::exit::{Exit, Failure, OrExit as _};
+use crate::pipeline::PipelineConfig;
 use crate::scene_file::{SceneFile, Seeds};
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
@@ -16,8 +17,28 @@ use tetrad_core::config::{MAX_ARM_M, MIN_ARM_M};
 pub enum Mode {
     /// The paper's: row-edge centres (eq. 2), frame-to-frame affine motion.
     Paper,
-    /// Sub-pixel centres and an engage-latched pose; not in this version.
+    /// Sub-pixel centres, and a latched pose with perspective terms.
     Refined,
+}
+
+impl Mode {
+    /// The word on the command line and in summary.json.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Refined => "refined",
+        }
+    }
+
+    /// How everything is computed in this mode.
+    #[must_use]
+    pub fn pipeline(self) -> PipelineConfig {
+        match self {
+            Self::Paper => PipelineConfig::paper(),
+            Self::Refined => PipelineConfig::refined(),
+        }
+    }
 }
 
 /// The flags of `tetrad track`.
@@ -42,7 +63,7 @@ pub struct TrackArgs {
     #[arg(long, value_name = "MM")]
     pub arm_mm: Option<f32>,
     /// How centres and poses are computed
-    #[arg(long, value_enum, default_value_t = Mode::Paper)]
+    #[arg(long, value_enum, default_value_t = Mode::Refined)]
     pub mode: Mode,
     /// Track only these balls [default: the scene's, or all four]
     #[arg(long, value_name = "BALLS")]
@@ -86,6 +107,8 @@ pub struct TrackSettings {
     pub balls: BallSet,
     /// Whether they are one rigid frame.
     pub rigid: bool,
+    /// How centres and poses are computed.
+    pub mode: Mode,
     /// The arms' length in metres; there is one whenever there is a pose.
     pub arm_m: Option<f32>,
     /// Frames per second where a source has no times.
@@ -100,10 +123,6 @@ impl TrackSettings {
     /// # Errors
     /// [`Failure`] with [`Exit::BadArguments`] that names the flag, or the file and its key.
     pub fn new(args: TrackArgs) -> Result<Self, Failure> {
-        if args.mode == Mode::Refined {
-            return Err(Failure::bad_arguments("--mode refined: this version has the `paper` mode only")
-                .help("leave --mode out, or give --mode paper"));
-        }
         if let Some(mm) = args.arm_mm
             && !(MIN_ARM_M..=MAX_ARM_M).contains(&metres(mm))
         {
@@ -148,7 +167,15 @@ impl TrackSettings {
             cameras.push(CameraSettings { name, source: source.clone(), start: Start::Colours(colours) });
         }
         let arm_m = args.arm_mm.map(metres);
-        Ok(Self { cameras, balls, rigid: balls.is_all(), arm_m, fps: None, out: args.out.clone() })
+        Ok(Self {
+            cameras,
+            balls,
+            rigid: balls.is_all(),
+            arm_m,
+            mode: args.mode,
+            fps: None,
+            out: args.out.clone(),
+        })
     }
 
     fn from_scene(file: &Path, args: &TrackArgs) -> Result<Self, Failure> {
@@ -179,6 +206,7 @@ impl TrackSettings {
             cameras,
             balls,
             rigid: scene.rigid.unwrap_or(balls.is_all()),
+            mode: args.mode,
             arm_m: args.arm_mm.map(metres).or(scene.arm_m),
             fps: scene.fps,
             out: args.out.clone(),

@@ -136,8 +136,8 @@ fn wrong_usage_is_exit_code_2_and_help_is_0() {
     {
         assert_eq!(tetrad(dir.path(), arguments).code, Some(2), "{arguments:?}");
     }
-    tetrad(dir.path(), "track --left a --scene s.json --mode refined --out o")
-        .refused(2, &["refined", "paper"]);
+    tetrad(dir.path(), "track --left a --scene s.json --mode other --out o")
+        .refused(2, &["other", "refined", "paper"]);
     tetrad(dir.path(), "demo --seconds nan").refused(2, &["--seconds"]);
     tetrad(dir.path(), "demo --scene nothing").refused(2, &["nothing", "linear-0.5-30fps"]);
     for command in ["track", "learn", "demo"] {

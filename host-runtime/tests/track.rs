@@ -46,7 +46,7 @@ fn two_cameras_with_a_scene_give_observations_pose_motion_and_summary() {
     let off = (x[0] - moved.x).hypot(x[1] - moved.y).hypot(x[2] - moved.z);
     // weak perspective costs the paper's increments up to a tenth of the way
     assert!(moved.norm() > 0.05 && off < 0.1 * moved.norm(), "{x:?} m, and {moved:?} is true");
-    assert!(pose[1..].iter().all(|row| row[14] == "measured"), "{pose:?}");
+    assert!(pose[1..].iter().all(|row| row[14] == "both"), "{pose:?}");
 
     let motion = csv(&clip.path("out/motion.csv"));
     let header = "frame,t,a1,a2,a3,phi11,phi12,phi13,phi21,phi22,phi23,phi31,phi32,phi33";
@@ -61,7 +61,7 @@ fn two_cameras_with_a_scene_give_observations_pose_motion_and_summary() {
         assert!(camera["pixels_tested"]["p50"].as_f64() > Some(0.0), "{camera}");
         assert_eq!(camera["states"]["yellow"]["visible"].as_u64(), Some(12));
     }
-    assert_eq!(summary["pose"]["measured"].as_u64(), Some(12));
+    assert_eq!(summary["pose"]["both"].as_u64(), Some(12));
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn a_simulated_scene_is_a_source_like_any_other() {
         .done();
     let summary = json(&dir.path().join("out/summary.json"));
     let frames = summary["frames"].as_u64();
-    assert!(frames >= Some(1) && summary["pose"]["measured"].as_u64() == frames, "{summary}");
+    assert!(frames >= Some(1) && summary["pose"]["both"].as_u64() == frames, "{summary}");
 }
 
 #[test]

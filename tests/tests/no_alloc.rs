@@ -9,15 +9,16 @@ use std::cell::Cell;
 use std::hint::black_box;
 use tetrad_core::config::{HandConfig, LearnConfig, ProposeConfig};
 use tetrad_core::hand::affine::Arms;
-use tetrad_core::hand::motion::{MotionTracker, PoseState};
+use tetrad_core::hand::motion::MotionTracker;
+use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::{BALLS, Ball, Observation};
 use tetrad_core::vision::colour::Primary;
 use tetrad_core::vision::learn::propose::propose;
 use tetrad_core::vision::learn::{HorizontalScan, learn};
 use tetrad_core::vision::tracker::CameraTracker;
 use tetrad_core::wire::{
-    Decoder, Feed, MAX_BODY_LEN, MAX_FRAME_LEN, MotionPacket, ObservationPacket, Packet, Transform,
-    decode_body, encode, encode_body,
+    Covariance, Decoder, Feed, MAX_BODY_LEN, MAX_FRAME_LEN, MotionPacket, ObservationPacket, Packet,
+    Transform, decode_body, encode, encode_body,
 };
 
 thread_local! {
@@ -152,13 +153,14 @@ fn packets_allocate_nothing() {
         capture_us: 9,
         engaged: true,
         engagements: 1,
-        state: PoseState::Measured,
+        state: PoseState::Both,
         spans: 1,
         views: 2,
         seen_in: [2; BALLS],
         residual_px: 0.1,
         increment: Transform::IDENTITY,
         since_engage: Transform::IDENTITY,
+        covariance: Some(Covariance { upper: [0.0; 21] }),
     });
     for packet in [observations, motion] {
         let ((), allocations) = counted(|| {

@@ -10,39 +10,9 @@ use crate::hand::affine::{AffineFrame, AffineRefusal, AffineView, Arms, Centres}
 use crate::hand::orientation::{OrientationRefusal, gram_schmidt, nearest_rotation_step};
 use crate::observation::{BALLS, Ball, Observations};
 use nalgebra::{Matrix3, Vector3};
-use serde::{Deserialize, Serialize};
 
 #[cfg(test)]
 mod tests;
-
-/// How the pose that goes with a frame is known.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[repr(u8)]
-pub enum PoseState {
-    /// Solved from this frame and the one before it.
-    Measured = 0,
-    /// Solved from this frame; its increment spans refused frames as well.
-    Bridged = 1,
-    /// This frame was refused; the pose is the last solved one. Never a measurement.
-    Held = 2,
-    /// There has been no complete frame yet, or none for too long.
-    #[default]
-    Lost = 3,
-}
-
-impl PoseState {
-    /// The word written to files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Measured => "measured",
-            Self::Bridged => "bridged",
-            Self::Held => "held",
-            Self::Lost => "lost",
-        }
-    }
-}
 
 /// One frame's motion of the hand. Every pose solver of the hand gives this type.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,12 +39,6 @@ impl Motion {
     #[must_use]
     pub const fn increment(&self) -> Pose {
         Pose { rotation: self.phi, translation: self.alpha }
-    }
-
-    /// How the pose is known.
-    #[must_use]
-    pub const fn state(&self) -> PoseState {
-        if self.spans > 1 { PoseState::Bridged } else { PoseState::Measured }
     }
 }
 

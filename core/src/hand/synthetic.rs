@@ -2,7 +2,7 @@
 
 use crate::geometry::{ImagePoint, Pose};
 use crate::hand::affine::{Arms, Centres};
-use crate::observation::{Observation, ObservationState, Observations};
+use crate::observation::{ImageCovariance, Observation, ObservationState, Observations};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use std::vec::Vec;
@@ -51,6 +51,8 @@ impl Camera {
             state: ObservationState::Visible,
             centre,
             diameter: 16.0,
+            covariance: ImageCovariance::isotropic(0.1),
+            visible: 1.0,
         })
     }
 }

@@ -10,6 +10,7 @@ pub const ROOM: usize = 256;
 
 /// What feeding a piece of the stream came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "short-lived, and there is no heap to box a packet on")]
 #[must_use = "a packet may have been received, and bytes may be left to feed"]
 pub enum Feed<'a> {
     /// The piece is used up; no frame has ended in it.

@@ -21,7 +21,7 @@ pub mod packet;
 pub use body::{MAX_BODY_LEN, VERSION, decode_body, encode_body};
 pub use decoder::{Decoder, Feed};
 pub use frame::{MAX_FRAME_LEN, encode};
-pub use packet::{MotionPacket, ObservationPacket, Packet, Transform};
+pub use packet::{Covariance, MotionPacket, ObservationPacket, Packet, Transform};
 
 #[cfg(test)]
 mod tests;
@@ -34,6 +34,11 @@ pub enum BadValue {
     NotFinite,
     /// Nine numbers that should be a proper rotation are none.
     NotARotation,
+    /// Numbers that should be a covariance are none: a variance is negative, or two numbers vary
+    /// together more than each does alone.
+    NotACovariance,
+    /// A share is not between 0 and 1.
+    NotAShare,
 }
 
 impl core::fmt::Display for BadValue {
@@ -41,6 +46,8 @@ impl core::fmt::Display for BadValue {
         f.write_str(match self {
             Self::NotFinite => "the packet holds a number that is not finite",
             Self::NotARotation => "the packet holds a rotation that is none",
+            Self::NotACovariance => "the packet holds a covariance that is none",
+            Self::NotAShare => "the packet holds a share that is not between 0 and 1",
         })
     }
 }

@@ -3,8 +3,8 @@
 
 use super::BadValue;
 use crate::geometry::{ImagePoint, Pose};
-use crate::hand::motion::PoseState;
-use crate::observation::{BALLS, ObservationState, Observations};
+use crate::hand::state::{PoseCovariance, PoseState};
+use crate::observation::{BALLS, ImageCovariance, Observation, ObservationState, Observations};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +19,9 @@ const F32: usize = 4;
 /// The largest element of R^T R - I that passes as a rotation. Rotations are kept to 1e-6 by
 /// [`crate::hand::orientation`]; this is for senders that do worse, and 1e-3 is 0.03 degrees.
 const MAX_SKEW: f32 = 1e-3;
+
+/// How far rounding may carry the square of a covariance above the product of its variances.
+const COVARIANCE_SLACK: f32 = 1.0001;
 
 /// What one camera saw in one picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,19 +48,33 @@ pub struct ObservationPacket {
 impl ObservationPacket {
     /// The most bytes the fields take.
     pub const MAX_LEN: usize =
-        BYTE + 2 * MAX_U32 + MAX_U64 + 2 * MAX_U16 + MAX_U32 + BALLS * (BYTE + 3 * F32);
+        BYTE + 2 * MAX_U32 + MAX_U64 + 2 * MAX_U16 + MAX_U32 + BALLS * (BYTE + 7 * F32);
 
     /// The same without what has no meaning: a lost ball has no place.
     pub(super) fn tidied(mut self) -> Self {
         for ball in self.balls.iter_mut().filter(|ball| ball.state == ObservationState::Lost) {
             ball.centre = ImagePoint::default();
+            ball.covariance = ImageCovariance::default();
+            ball.visible = 0.0;
         }
         self
     }
 
     pub(super) fn check(&self) -> Result<(), BadValue> {
-        let finite = self.balls.iter().all(|ball| ball.centre.is_finite() && ball.diameter.is_finite());
-        if finite { Ok(()) } else { Err(BadValue::NotFinite) }
+        let numbers = |ball: &Observation| {
+            let (c, k) = (ball.centre, ball.covariance);
+            [c.u, c.v, ball.diameter, k.uu, k.uv, k.vv, ball.visible]
+        };
+        if !self.balls.iter().flat_map(numbers).all(f32::is_finite) {
+            return Err(BadValue::NotFinite);
+        }
+        if !self.balls.iter().all(|ball| ball.covariance.is_valid()) {
+            return Err(BadValue::NotACovariance);
+        }
+        if !self.balls.iter().all(|ball| (0.0..=1.0).contains(&ball.visible)) {
+            return Err(BadValue::NotAShare);
+        }
+        Ok(())
     }
 }
 
@@ -114,6 +131,58 @@ impl From<Transform> for Pose {
     }
 }
 
+/// A [`PoseCovariance`] as the 21 numbers of its upper triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Covariance {
+    /// Row by row from the diagonal on: 11 to 16, 22 to 26, ..., 66; m^2, m rad and rad^2.
+    pub upper: [f32; 21],
+}
+
+impl Covariance {
+    const MAX_LEN: usize = 21 * F32;
+
+    /// Finite, no negative variance, and no two that vary together more than each does alone.
+    fn check(&self) -> Result<(), BadValue> {
+        if !self.upper.iter().all(|x| x.is_finite()) {
+            return Err(BadValue::NotFinite);
+        }
+        let p = PoseCovariance::from(*self);
+        let bounded = |i: usize, j: usize| match (p.get((i, i)), p.get((j, j)), p.get((i, j))) {
+            (Some(a), Some(b), Some(c)) => *a >= 0.0 && *b >= 0.0 && c * c <= a * b * COVARIANCE_SLACK,
+            _ => false,
+        };
+        let all = (0..6).all(|i| (i..6).all(|j| bounded(i, j)));
+        if all { Ok(()) } else { Err(BadValue::NotACovariance) }
+    }
+}
+
+impl From<PoseCovariance> for Covariance {
+    fn from(p: PoseCovariance) -> Self {
+        let mut upper = [0.0; 21];
+        let places = (0..6).flat_map(|i| (i..6).map(move |j| (i, j)));
+        for (slot, place) in upper.iter_mut().zip(places) {
+            *slot = p.get(place).copied().unwrap_or(0.0);
+        }
+        Self { upper }
+    }
+}
+
+impl From<Covariance> for PoseCovariance {
+    fn from(covariance: Covariance) -> Self {
+        let mut p = Self::zeros();
+        let places = (0..6).flat_map(|i| (i..6).map(move |j| (i, j)));
+        for (value, (i, j)) in covariance.upper.iter().zip(places) {
+            for place in [(i, j), (j, i)] {
+                if let Some(slot) = p.get_mut(place) {
+                    *slot = *value;
+                }
+            }
+        }
+        p
+    }
+}
+
 /// How the hand moved. One is sent for every frame, also for one that was refused (`state` is then
 /// `Held` or `Lost` and the increment the identity), so that silence means a broken link.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -144,6 +213,8 @@ pub struct MotionPacket {
     pub increment: Transform,
     /// engage_from_now. It holds the whole motion, so that a lost packet loses none of it.
     pub since_engage: Transform,
+    /// How well `since_engage` is known; `None` where the sender's method does not say.
+    pub covariance: Option<Covariance>,
 }
 
 impl MotionPacket {
@@ -157,14 +228,17 @@ impl MotionPacket {
         + BYTE
         + BALLS * BYTE
         + F32
-        + 2 * Transform::MAX_LEN;
+        + 2 * Transform::MAX_LEN
+        + BYTE
+        + Covariance::MAX_LEN;
 
     pub(super) fn check(&self) -> Result<(), BadValue> {
         if !self.residual_px.is_finite() {
             return Err(BadValue::NotFinite);
         }
         self.increment.check()?;
-        self.since_engage.check()
+        self.since_engage.check()?;
+        self.covariance.map_or(Ok(()), |covariance| covariance.check())
     }
 }
 

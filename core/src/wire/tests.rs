@@ -3,9 +3,9 @@
 use super::frame::{CHECK, Framer};
 use super::*;
 use crate::geometry::{ImagePoint, Pose};
-use crate::hand::motion::PoseState;
+use crate::hand::state::{PoseCovariance, PoseState};
 use crate::hand::synthetic::pose;
-use crate::observation::{Observation, ObservationState};
+use crate::observation::{ImageCovariance, Observation, ObservationState};
 use postcard::ser_flavors::Flavor;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -16,7 +16,10 @@ mod pinned;
 
 /// The packets of the examples in docs/wire.md.
 fn examples() -> [Packet; 2] {
-    let ball = |state, u, v, diameter| Observation { state, centre: ImagePoint::new(u, v), diameter };
+    let ball = |state, u, v, diameter, [uu, uv, vv]: [f32; 3], visible| {
+        let covariance = ImageCovariance { uu, uv, vv };
+        Observation { state, centre: ImagePoint::new(u, v), diameter, covariance, visible }
+    };
     let observation = ObservationPacket {
         camera: 1,
         session: 300,
@@ -26,10 +29,10 @@ fn examples() -> [Packet; 2] {
         height: 480,
         pixels_tested: 1500,
         balls: [
-            ball(ObservationState::Visible, 320.5, 240.25, 16.0),
-            ball(ObservationState::Occluded, 100.0, 50.0, 15.5),
-            ball(ObservationState::Predicted, 10.0, 20.0, 16.0),
-            ball(ObservationState::Lost, 0.0, 0.0, 15.0),
+            ball(ObservationState::Visible, 320.5, 240.25, 16.0, [0.0009765625, 0.0, 0.0009765625], 1.0),
+            ball(ObservationState::Occluded, 100.0, 50.0, 15.5, [0.25, 0.0625, 0.125], 0.5),
+            ball(ObservationState::Predicted, 10.0, 20.0, 16.0, [16.0, 0.0, 16.0], 0.0),
+            ball(ObservationState::Lost, 0.0, 0.0, 15.0, [0.0; 3], 0.0),
         ],
     };
     let quarter_turn = [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -39,13 +42,17 @@ fn examples() -> [Packet; 2] {
         capture_us: 1_033_333,
         engaged: true,
         engagements: 2,
-        state: PoseState::Bridged,
+        state: PoseState::Three,
         spans: 3,
         views: 2,
         seen_in: [2, 2, 2, 2],
         residual_px: 0.125,
         increment: Transform { translation: [0.0078125, 0.0, -0.015625], ..Transform::IDENTITY },
         since_engage: Transform { translation: [0.25, -0.5, 1.0], rotation: quarter_turn },
+        covariance: Some(
+            PoseCovariance::from_diagonal(&[1.0, 1.0, 4.0, 16.0, 16.0, 64.0].map(|k| k / 1_048_576.0).into())
+                .into(),
+        ),
     };
     [observation.into(), motion.into()]
 }
@@ -99,10 +106,14 @@ fn finite() -> impl Strategy<Value = f32> {
 }
 
 fn observation_packet() -> impl Strategy<Value = Packet> {
-    let ball = (state(), finite(), finite(), finite()).prop_map(|(state, u, v, diameter)| {
-        let centre =
-            if state == ObservationState::Lost { ImagePoint::default() } else { ImagePoint::new(u, v) };
-        Observation { state, centre, diameter }
+    let quality = (0.0_f32..1e9, 0.0_f32..=1.0);
+    let ball = (state(), finite(), finite(), finite(), quality);
+    let ball = ball.prop_map(|(state, u, v, diameter, (variance, visible))| {
+        if state == ObservationState::Lost {
+            return Observation { diameter, ..Observation::default() };
+        }
+        let covariance = ImageCovariance { uu: variance, uv: 0.5 * variance, vv: variance };
+        Observation { state, centre: ImagePoint::new(u, v), diameter, covariance, visible }
     });
     let counts = (any::<u8>(), any::<u32>(), any::<u32>(), any::<u64>(), any::<[u16; 2]>(), any::<u32>());
     (counts, prop::array::uniform4(ball)).prop_map(|(counts, balls)| {
@@ -113,29 +124,36 @@ fn observation_packet() -> impl Strategy<Value = Packet> {
 }
 
 fn motion_packet() -> impl Strategy<Value = Packet> {
-    use PoseState::*;
     let identity = (any::<u32>(), any::<u32>(), any::<u64>(), any::<bool>(), any::<u32>());
-    let state = prop::sample::select(vec![Measured, Bridged, Held, Lost]);
+    let state = prop::sample::select(PoseState::ALL.to_vec());
+    let covariance = prop::option::of((0.0_f32..1.0).prop_map(|k| {
+        let mut covariance = PoseCovariance::from_diagonal_element(k);
+        (covariance.m13, covariance.m31) = (-0.5 * k, -0.5 * k);
+        covariance.into()
+    }));
     let quality = (state, any::<u32>(), any::<u8>(), any::<[u8; 4]>(), finite());
-    (identity, quality, pose(3.1, 0.1), pose(3.1, 5.0)).prop_map(|(identity, quality, increment, since)| {
-        let (session, sequence, capture_us, engaged, engagements) = identity;
-        let (state, spans, views, seen_in, residual_px) = quality;
-        MotionPacket {
-            session,
-            sequence,
-            capture_us,
-            engaged,
-            engagements,
-            state,
-            spans,
-            views,
-            seen_in,
-            residual_px,
-            increment: increment.into(),
-            since_engage: since.into(),
-        }
-        .into()
-    })
+    (identity, quality, pose(3.1, 0.1), pose(3.1, 5.0), covariance).prop_map(
+        |(identity, quality, increment, since, covariance)| {
+            let (session, sequence, capture_us, engaged, engagements) = identity;
+            let (state, spans, views, seen_in, residual_px) = quality;
+            MotionPacket {
+                session,
+                sequence,
+                capture_us,
+                engaged,
+                engagements,
+                state,
+                spans,
+                views,
+                seen_in,
+                residual_px,
+                increment: increment.into(),
+                since_engage: since.into(),
+                covariance,
+            }
+            .into()
+        },
+    )
 }
 
 fn packet() -> impl Strategy<Value = Packet> {
@@ -307,7 +325,7 @@ fn every_reason_to_refuse_a_frame() {
         [Err(Overlong)]
     );
     assert_eq!(refused(&with(&motion, 0, &[0])), UnknownVersion(0));
-    assert_eq!(refused(&with(&motion, 0, &[2])), UnknownVersion(2));
+    assert_eq!(refused(&with(&motion, 0, &[1])), UnknownVersion(1));
     assert_eq!(refused(&with(&motion, 1, &[0])), UnknownKind(0));
     assert_eq!(refused(&with(&motion, 1, &[3])), UnknownKind(3));
 
@@ -318,23 +336,43 @@ fn every_reason_to_refuse_a_frame() {
         assert_eq!(refused(&[&body[..], &[0]].concat()), TrailingBytes, "{name}");
         assert_eq!(refused(&with(body, 2, &[0xFF; 10])), MalformedBody, "{name}: a number without end");
     }
-    let balls_at = observation.len() - 52;
+    let balls_at = observation.len() - 116;
     assert_eq!(refused(&with(&observation, balls_at, &[4])), MalformedBody, "no fifth state");
-    for (place, nan) in [(1, f32::NAN), (5, f32::INFINITY), (9, f32::NEG_INFINITY), (22, f32::NAN)] {
+    for (place, nan) in [
+        (1, f32::NAN),
+        (5, f32::INFINITY),
+        (9, f32::NEG_INFINITY),
+        (13, f32::NAN),
+        (25, f32::INFINITY),
+        (38, f32::NAN),
+    ] {
         let body = with(&observation, balls_at + place, &nan.to_le_bytes());
         assert_eq!(refused(&body), Value(BadValue::NotFinite), "byte {place} of the balls");
     }
-    let engaged_at = motion.len() - 109;
+    for (place, number) in [(13, -1.0_f32), (17, 0.1), (21, -0.5)] {
+        let body = with(&observation, balls_at + place, &number.to_le_bytes());
+        assert_eq!(refused(&body), Value(BadValue::NotACovariance), "byte {place} of the balls");
+    }
+    for share in [-0.1_f32, 1.5] {
+        let body = with(&observation, balls_at + 25, &share.to_le_bytes());
+        assert_eq!(refused(&body), Value(BadValue::NotAShare), "{share}");
+    }
+    let engaged_at = motion.len() - 194;
     assert_eq!(motion[engaged_at..engaged_at + 4], [1, 2, 1, 3], "engaged, engagements, state, spans");
     assert_eq!(refused(&with(&motion, engaged_at, &[2])), MalformedBody, "a bool of 2");
-    assert_eq!(refused(&with(&motion, engaged_at + 2, &[4])), MalformedBody, "no fifth state");
-    for from_end in [100, 96, 84, 48, 4] {
+    assert_eq!(refused(&with(&motion, engaged_at + 2, &[6])), MalformedBody, "no seventh state");
+    assert_eq!(refused(&with(&motion, motion.len() - 85, &[2])), MalformedBody, "neither there nor not");
+    for from_end in [185, 181, 169, 133, 89, 84, 4] {
         let body = with(&motion, motion.len() - from_end, &f32::NAN.to_le_bytes());
         assert_eq!(refused(&body), Value(BadValue::NotFinite), "{from_end} bytes from the end");
     }
-    for (from_end, number) in [(4, 1.01_f32), (4, -1.0), (84, 0.9), (16, 0.01)] {
+    for (from_end, number) in [(89, 1.01_f32), (89, -1.0), (169, 0.9), (101, 0.01)] {
         let body = with(&motion, motion.len() - from_end, &number.to_le_bytes());
         assert_eq!(refused(&body), Value(BadValue::NotARotation), "{number} {from_end} bytes from the end");
+    }
+    for (from_end, number) in [(4, -1.0_f32), (84, -1e-9), (80, 1.0)] {
+        let body = with(&motion, motion.len() - from_end, &number.to_le_bytes());
+        assert_eq!(refused(&body), Value(BadValue::NotACovariance), "{number} {from_end} bytes from the end");
     }
 }
 

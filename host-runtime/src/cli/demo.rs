@@ -9,12 +9,13 @@ use crate::exit::{Exit, Failure, OrExit as _};
 use crate::learning;
 use crate::output::{CameraSummary, Canvas, RecordedCamera, Recorder, Spread, Stamp, TruthCsv};
 use crate::pipeline::{CameraStep, Pipeline, Step};
+use crate::settings::Mode;
 use crate::source::View;
 use anyhow::Context as _;
 use clap::Args;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use tetrad_core::config::{HandConfig, LearnConfig, ProposeConfig, TrackerConfig};
+use tetrad_core::config::{LearnConfig, ProposeConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::observation::BALLS;
@@ -62,6 +63,9 @@ pub(super) struct DemoArgs {
     /// The simulated scene
     #[arg(long, value_name = "NAME", default_value = "demo")]
     scene: String,
+    /// How centres and poses are computed
+    #[arg(long, value_enum, default_value_t = Mode::Refined)]
+    mode: Mode,
 }
 
 /// Runs `tetrad demo`.
@@ -72,7 +76,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let interrupt = Interrupt::listen()?;
     let mut cameras = Cameras::new(&scene);
     cameras.render(0);
-    let pipeline = learn(&scene, &cameras)?;
+    let pipeline = learn(&scene, &cameras, args.mode)?;
     let mut demo = Demo::new(args, &scene, pipeline)?;
     let outcome = demo.run(&mut cameras, frames, &interrupt);
     let stopped_by = outcome.as_ref().err().map(|failure| format!("{:#}", failure.cause));
@@ -136,7 +140,7 @@ impl<'a> Cameras<'a> {
 
 /// Colours as an operator teaches them: the balls that are proposed in the first pictures or, where
 /// none are, those pointed at.
-fn learn(scene: &Scene, cameras: &Cameras<'_>) -> Result<Pipeline, Failure> {
+fn learn(scene: &Scene, cameras: &Cameras<'_>, mode: Mode) -> Result<Pipeline, Failure> {
     let frames = cameras.views()?;
     let proposal = propose(&frames, &ProposeConfig::default());
     let mut starts = Vec::new();
@@ -158,7 +162,7 @@ fn learn(scene: &Scene, cameras: &Cameras<'_>) -> Result<Pipeline, Failure> {
         starts.push(learning::start_with(&taught));
     }
     let arms = Arms::equal(scene.arm_m as f32).or_exit(Exit::Failed)?;
-    Pipeline::new(&starts, TrackerConfig::default(), Some(arms), HandConfig::default())
+    Pipeline::new(&starts, mode.pipeline(), Some(arms))
         .map_err(|(_, error)| Failure::new(Exit::Failed, error))
 }
 
@@ -185,7 +189,7 @@ impl<'a> Demo<'a> {
             args,
             scene,
             pipeline,
-            recorder: Recorder::create(&args.out, "paper", cameras.into(), BallSet::ALL)
+            recorder: Recorder::create(&args.out, args.mode.name(), cameras.into(), BallSet::ALL)
                 .or_exit(Exit::Failed)?,
             truth: TruthCsv::create(&args.out).or_exit(Exit::Failed)?,
             comparison: Comparison::default(),
@@ -252,7 +256,7 @@ impl<'a> Demo<'a> {
         });
         let seen = seen.collect::<Vec<_>>().join(" ");
         let slowest = step.cameras.iter().map(|camera| camera.tracking).max().unwrap_or_default();
-        let pose = step.hand.and_then(|hand| hand.pose).map_or_else(
+        let pose = step.hand.and_then(|hand| hand.report.pose).map_or_else(
             || "hand not seen".to_owned(),
             |pose| {
                 let x = pose.translation * 1e3;

@@ -12,7 +12,7 @@ use crate::source::{self, Frame, Gap, Options, View};
 use crate::streams::{End, Stream, Streams};
 use anyhow::Context as _;
 use std::ops::ControlFlow;
-use tetrad_core::config::{HandConfig, LearnConfig, TrackerConfig};
+use tetrad_core::config::LearnConfig;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::observation::{BALLS, Ball};
 use tetrad_core::vision::appearance::LearntBall;
@@ -88,8 +88,9 @@ fn track(
             Some(session) => session,
             None => {
                 let pipeline = start(settings, frames)?;
-                let recorder = Recorder::create(&settings.out, "paper", cameras.clone(), settings.balls)
-                    .or_exit(Exit::Failed)?;
+                let recorder =
+                    Recorder::create(&settings.out, settings.mode.name(), cameras.clone(), settings.balls)
+                        .or_exit(Exit::Failed)?;
                 session.insert(Session { pipeline, recorder })
             }
         };
@@ -110,12 +111,13 @@ fn start(settings: &TrackSettings, frames: &[Frame<'_>]) -> Result<Pipeline, Fai
     for (camera, frame) in settings.cameras.iter().zip(frames) {
         cameras.push(learnt(camera, frame)?);
     }
-    let config = TrackerConfig { rigid: settings.rigid, ..TrackerConfig::default() };
+    let mut config = settings.mode.pipeline();
+    config.tracker.rigid = settings.rigid;
     let arms = match settings.arm_m.filter(|_| settings.has_pose()) {
         Some(length_m) => Some(Arms::equal(length_m).or_exit(Exit::BadArguments)?),
         None => None,
     };
-    Pipeline::new(&cameras, config, arms, HandConfig::default()).map_err(|(camera, error)| {
+    Pipeline::new(&cameras, config, arms).map_err(|(camera, error)| {
         let name = settings.cameras.get(camera).map_or("", |camera| camera.name);
         let cause = anyhow::Error::new(error).context(format!("the {name} camera cannot be tracked"));
         Failure::new(Exit::BadArguments, cause)

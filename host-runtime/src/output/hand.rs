@@ -4,7 +4,8 @@ use super::csv::{CsvFile, OutputError, Row};
 use nalgebra::Matrix3;
 use std::path::Path;
 use tetrad_core::geometry::Pose;
-use tetrad_core::hand::motion::{Motion, PoseState};
+use tetrad_core::hand::motion::Motion;
+use tetrad_core::hand::state::PoseState;
 
 /// `frame,t,x,y,z,r11..r33,state`: metres, in the feature frame of the first complete frame; empty
 /// while there has been none.
@@ -94,12 +95,12 @@ mod tests {
             translation: Vector3::new(0.1, -0.2, 0.3),
         };
         csv.write((0, 0.0), None, PoseState::Lost).unwrap();
-        csv.write((1, 0.1), Some(&pose), PoseState::Measured).unwrap();
+        csv.write((1, 0.1), Some(&pose), PoseState::Both).unwrap();
         assert_eq!(
             std::fs::read_to_string(dir.path().join("pose.csv")).unwrap(),
             "frame,t,x,y,z,r11,r12,r13,r21,r22,r23,r31,r32,r33,state\n\
              0,0.000000,,,,,,,,,,,,,lost\n\
-             1,0.100000,0.1,-0.2,0.3,11,12,13,21,22,23,31,32,33,measured\n"
+             1,0.100000,0.1,-0.2,0.3,11,12,13,21,22,23,31,32,33,both\n"
         );
     }
 

@@ -60,6 +60,7 @@ mod tests {
             state: ObservationState::Visible,
             centre: ImagePoint::new(12.25, 7.0),
             diameter: 16.5,
+            ..Observation::default()
         };
         seen[3].centre = ImagePoint::new(5.0, 5.0);
         csv.write((7, 0.25), "left", "red,yellow".parse().unwrap(), &seen).unwrap();

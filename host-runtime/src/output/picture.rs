@@ -125,8 +125,12 @@ mod tests {
         let mut canvas = Canvas::side_by_side(&[frame, frame]);
         let mut report = StepReport::default();
         let visible = ObservationState::Visible;
-        report.observations[1] =
-            Observation { state: visible, centre: ImagePoint::new(18.4, 4.0), diameter: 5.0 };
+        report.observations[1] = Observation {
+            state: visible,
+            centre: ImagePoint::new(18.4, 4.0),
+            diameter: 5.0,
+            ..Observation::default()
+        };
         canvas.draw(20, &report);
         assert_eq!((at(&canvas, 38, 4), at(&canvas, 33, 4), at(&canvas, 38, 9)), (WHITE, WHITE, WHITE));
         assert_eq!((at(&canvas, 18, 4), at(&canvas, 32, 4), at(&canvas, 37, 3)), (GREY, GREY, GREY));

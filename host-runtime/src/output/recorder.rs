@@ -79,6 +79,7 @@ impl Recorder {
         }
         if let (Some(hand), Some(stamp)) = (&step.hand, stamps.first()) {
             let stamp = (stamp.frame, stamp.t_s);
+            let hand = &hand.report;
             self.pose.write(stamp, hand.pose.as_ref(), hand.state)?;
             self.motion.write(stamp, hand.motion.as_ref().ok())?;
             *self.summary.pose_states.entry(hand.state.name().to_owned()).or_default() += 1;

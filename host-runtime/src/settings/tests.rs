@@ -115,7 +115,7 @@ fn what_is_missing_or_contradicts_is_named() {
         ("--left a --colours-left four.toml --arm-mm 2001 --out o", "--arm-mm 2001: a length from 5 to 2000"),
         ("--left a --colours-left four.toml --arm-mm NaN --out o", "--arm-mm NaN"),
         ("--left a --colours-left four.toml --arm-mm x --out o", "invalid value 'x'"),
-        ("--left a --colours-left four.toml --mode refined --out o", "`paper` mode only"),
+        ("--left a --colours-left four.toml --mode other --out o", "invalid value 'other'"),
         ("--left a --colours-left four.toml --balls red,pink --out o", "`pink`"),
         ("--left a --colours-left red.toml --out o", "the green ball is missing"),
         ("--left a --colours-left none.toml --out o", "none.toml"),

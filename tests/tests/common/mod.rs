@@ -3,8 +3,8 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 use tetrad::learning::tracked_as;
-use tetrad::pipeline::{CameraStart, Pipeline};
-use tetrad_core::config::{HandConfig, LearnConfig, TrackerConfig};
+use tetrad::pipeline::{CameraStart, Pipeline, PipelineConfig};
+use tetrad_core::config::{LearnConfig, TrackerConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::observation::{BALLS, Ball, Observation, ObservationState};
@@ -82,11 +82,12 @@ pub(crate) fn track_hand(scene: &Scene, mut each: impl FnMut(usize, &Tracked)) {
             CameraStart {
                 balls: Ball::ALL.map(|ball| Some(learnt(&view, ball, &first[ball.index()]))),
                 places: Ball::ALL.map(|ball| Some(centre(&first[ball.index()]))),
+                focal_px: None,
             }
         })
         .collect();
     let arms = Arms::equal(scene.arm_m as f32).expect("the arms of a scene");
-    let pipeline = Pipeline::new(&starts, TrackerConfig::default(), Some(arms), HandConfig::default());
+    let pipeline = Pipeline::new(&starts, PipelineConfig::paper(), Some(arms));
     let mut pipeline = pipeline.expect("the balls of a scene can be tracked");
     for frame in 0..scene.frames() {
         render(scene, frame, &mut pictures);
@@ -117,7 +118,7 @@ pub(crate) fn time_us(scene: &Scene, frame: usize) -> u64 {
 /// A tracker that has been taught the four balls where they are in the first frame.
 pub(crate) fn taught(view: &FrameView<'_>, first: &[BallTruth; BALLS]) -> CameraTracker {
     let balls = Ball::ALL.map(|ball| Some(learnt(view, ball, &first[ball.index()])));
-    let config = TrackerConfig::default();
+    let config = TrackerConfig::paper();
     let mut tracker = CameraTracker::new(config, balls).expect("the balls of a scene can be tracked");
     for (ball, truth) in Ball::ALL.into_iter().zip(first) {
         tracker.place(ball, centre(truth));

@@ -44,7 +44,6 @@ proptest! {
         prop_assert!((motion.phi.determinant() - 1.0).abs() < 1e-6);
         prop_assert!(motion.residual_px < 2e-3);
         prop_assert_eq!(motion.spans, 1);
-        prop_assert_eq!(motion.state(), PoseState::Measured);
         prop_assert!(difference(&motion.since_engage, &solved) < 1e-6);
     }
 
@@ -79,8 +78,7 @@ proptest! {
                         crate::observation::Observation {
                             state,
                             centre: ImagePoint::new(values[2 * i], values[2 * i + 1]),
-                            diameter: 9.0,
-                        }
+                            diameter: 9.0, ..Default::default() }
                     })
                 })
                 .collect();
@@ -162,7 +160,7 @@ fn a_gap_is_bridged_and_nothing_is_lost() {
     }
     hand = hand.compose(&step());
     let motion = tracker.update(&observe(&cameras, &hand)).unwrap();
-    assert_eq!((motion.spans, motion.state()), (4, PoseState::Bridged));
+    assert_eq!(motion.spans, 4);
     let whole = start().inverse().compose(&hand);
     assert!(difference(&motion.since_engage, &whole) < 1e-4);
     assert!(difference(&Pose { rotation: motion.phi, translation: motion.alpha }, &whole) < 1e-4);
@@ -309,11 +307,4 @@ fn prediction_over_a_gap_carries_on_and_ends() {
         tracker.update(&hidden).unwrap_err();
     }
     assert_eq!(tracker.predict(0), [None; BALLS], "too long ago to be worth a window");
-}
-
-#[test]
-fn pose_state_numbers_are_pinned() {
-    let all = [PoseState::Measured, PoseState::Bridged, PoseState::Held, PoseState::Lost];
-    assert_eq!(all.map(|s| s as u8), [0, 1, 2, 3]);
-    assert_eq!(all.map(PoseState::name), ["measured", "bridged", "held", "lost"]);
 }

@@ -49,8 +49,8 @@ fn the_lengths_are_reached_and_never_passed() {
     let [observation, motion] = largest();
     assert_eq!(body_of(&observation).len(), 2 + ObservationPacket::MAX_LEN);
     assert_eq!(body_of(&motion).len(), 2 + MotionPacket::MAX_LEN);
-    assert_eq!((ObservationPacket::MAX_LEN, MotionPacket::MAX_LEN), (84, 137));
-    assert_eq!((MAX_BODY_LEN, MAX_FRAME_LEN), (139, 143));
+    assert_eq!((ObservationPacket::MAX_LEN, MotionPacket::MAX_LEN), (148, 222));
+    assert_eq!((MAX_BODY_LEN, MAX_FRAME_LEN), (224, 228));
     assert_eq!(frame_of(&motion).len(), MAX_FRAME_LEN);
 }
 
@@ -68,18 +68,17 @@ fn the_numbers_of_states_are_pinned() {
     for (number, state) in (0..).zip(states) {
         observation.balls[0].state = state;
         let body = body_of(&observation.into());
-        assert_eq!(body[body.len() - 52], number, "{state:?}");
+        assert_eq!(body[body.len() - 116], number, "{state:?}");
     }
-    let states = [PoseState::Measured, PoseState::Bridged, PoseState::Held, PoseState::Lost];
-    for (number, state) in (0..).zip(states) {
+    for (number, state) in (0..).zip(PoseState::ALL) {
         motion.state = state;
         let body = body_of(&motion.into());
-        assert_eq!(body[body.len() - 107], number, "{state:?}");
+        assert_eq!(body[body.len() - 192], number, "{state:?}");
     }
     let [observation, motion] = examples().map(|packet| body_of(&packet));
     assert_eq!(
         (observation[..2].to_vec(), motion[..2].to_vec()),
-        (vec![1, 1], vec![1, 2]),
+        (vec![2, 1], vec![2, 2]),
         "version and kind"
     );
 }

@@ -8,7 +8,7 @@ use tetrad_core::config::HandConfig;
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::{AffineFrame, Arms};
 use tetrad_core::hand::motion::MotionTracker;
-use tetrad_core::observation::{Observation, ObservationState};
+use tetrad_core::observation::{ImageCovariance, Observation, ObservationState};
 
 tetrad_no_panic::program!({
     if let Ok(arms) = Arms::new(black_box([0.08, 0.08, 0.08])) {
@@ -18,6 +18,8 @@ tetrad_no_panic::program!({
                 state: ObservationState::Visible,
                 centre: ImagePoint { u: 1.0, v: 2.0 },
                 diameter: 9.0,
+                covariance: ImageCovariance { uu: 1.0, uv: 0.0, vv: 1.0 },
+                visible: 1.0,
             }; 4]; 3],
         );
         let _ = black_box(hand.update(views));

@@ -3,10 +3,10 @@
 #![no_main]
 
 use core::hint::black_box;
-use tetrad_core::hand::motion::PoseState;
+use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::Observation;
 use tetrad_core::wire::{
-    Decoder, Feed, MotionPacket, ObservationPacket, Packet, Transform, decode_body, encode, encode_body,
+    Covariance, Decoder, Feed, MotionPacket, ObservationPacket, Packet, Transform, decode_body, encode, encode_body,
 };
 
 tetrad_no_panic::program!({
@@ -33,6 +33,7 @@ tetrad_no_panic::program!({
         residual_px: 8.0,
         increment: Transform::IDENTITY,
         since_engage: Transform::IDENTITY,
+        covariance: Some(Covariance { upper: [0.0; 21] }),
     });
     let mut buffer = black_box([0_u8; 300]);
     for packet in black_box([observations, motion]) {
