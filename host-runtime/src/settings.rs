@@ -9,8 +9,13 @@ use crate::scene_file::{SceneFile, Seeds};
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use std::fs;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use tetrad_core::config::{MAX_ARM_M, MIN_ARM_M};
+
+/// The focal lengths that can be given, px: from a fisheye on a small picture to a long lens on the
+/// largest.
+const FOCAL_PX: RangeInclusive<f32> = 50.0..=50_000.0;
 
 /// How centres and poses are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -65,6 +70,15 @@ pub struct TrackArgs {
     /// How centres and poses are computed
     #[arg(long, value_enum, default_value_t = Mode::Refined)]
     pub mode: Mode,
+    /// The left camera's focal length in pixels, as far as anybody knows [default: 1.25 picture widths]
+    #[arg(long, value_name = "PX")]
+    pub focal_left: Option<f32>,
+    /// The right camera's
+    #[arg(long, value_name = "PX", requires = "right")]
+    pub focal_right: Option<f32>,
+    /// Solve for the pose with the left camera alone (refined mode)
+    #[arg(long, conflicts_with = "right")]
+    pub one_camera_pose: bool,
     /// Track only these balls [default: the scene's, or all four]
     #[arg(long, value_name = "BALLS")]
     pub balls: Option<BallSet>,
@@ -96,6 +110,8 @@ pub struct CameraSettings {
     pub source: String,
     /// How its balls are first known: exactly [`TrackSettings::balls`].
     pub start: Start,
+    /// Its nominal focal length in pixels, where one was given.
+    pub focal_px: Option<f32>,
 }
 
 /// `tetrad track`, checked.
@@ -111,6 +127,8 @@ pub struct TrackSettings {
     pub mode: Mode,
     /// The arms' length in metres; there is one whenever there is a pose.
     pub arm_m: Option<f32>,
+    /// Whether a pose is wanted although there is one camera.
+    pub one_camera_pose: bool,
     /// Frames per second where a source has no times.
     pub fps: Option<f64>,
     /// Where results go.
@@ -131,6 +149,21 @@ impl TrackSettings {
                 "--arm-mm {mm}: a length from {least} to {most} mm is needed"
             )));
         }
+        for (flag, focal_px) in [("--focal-left", args.focal_left), ("--focal-right", args.focal_right)] {
+            if let Some(px) = focal_px
+                && !FOCAL_PX.contains(&px)
+            {
+                let (least, most) = FOCAL_PX.into_inner();
+                return Err(Failure::bad_arguments(format!(
+                    "{flag} {px}: a focal length from {least} to {most} px is needed"
+                ))
+                .help("a lens that sees 44 degrees from side to side has 1.25 picture widths"));
+            }
+        }
+        if args.one_camera_pose && args.mode == Mode::Paper {
+            return Err(Failure::bad_arguments("--one-camera-pose: the paper's method needs two cameras")
+                .help("leave --mode paper out, or give --right"));
+        }
         let settings = match &args.scene {
             Some(scene) => Self::from_scene(scene, &args)?,
             None => Self::from_colours(&args)?,
@@ -142,18 +175,20 @@ impl TrackSettings {
         Ok(settings)
     }
 
-    /// Whether there is a hand to solve for: all four balls of one rigid frame in two cameras.
+    /// Whether there is a hand to solve for: all four balls of one rigid frame in two cameras, or in
+    /// one where that was asked for.
     #[must_use]
     pub fn has_pose(&self) -> bool {
-        self.cameras.len() >= 2 && self.balls.is_all() && self.rigid
+        let enough = self.cameras.len() >= 2 || self.one_camera_pose;
+        enough && self.balls.is_all() && self.rigid
     }
 
     fn from_colours(args: &TrackArgs) -> Result<Self, Failure> {
         let balls = args.balls.unwrap_or(BallSet::ALL);
         let mut cameras = Vec::new();
-        for (name, source, file) in [
-            ("left", Some(&args.left), &args.colours_left),
-            ("right", args.right.as_ref(), &args.colours_right),
+        for (name, source, file, focal_px) in [
+            ("left", Some(&args.left), &args.colours_left, args.focal_left),
+            ("right", args.right.as_ref(), &args.colours_right, args.focal_right),
         ] {
             let Some(source) = source else { continue };
             let Some(file) = file else {
@@ -164,7 +199,8 @@ impl TrackSettings {
             let colours = Colours::parse(&read(file)?, &label)
                 .and_then(|colours| colours.select(balls, &label))
                 .or_exit(Exit::BadArguments)?;
-            cameras.push(CameraSettings { name, source: source.clone(), start: Start::Colours(colours) });
+            let start = Start::Colours(colours);
+            cameras.push(CameraSettings { name, source: source.clone(), start, focal_px });
         }
         let arm_m = args.arm_mm.map(metres);
         Ok(Self {
@@ -173,6 +209,7 @@ impl TrackSettings {
             rigid: balls.is_all(),
             arm_m,
             mode: args.mode,
+            one_camera_pose: args.one_camera_pose,
             fps: None,
             out: args.out.clone(),
         })
@@ -193,20 +230,30 @@ impl TrackSettings {
             }
             Start::Seeds { seeds, file: label.clone() }
         };
-        let mut cameras =
-            vec![CameraSettings { name: "left", source: args.left.clone(), start: start(scene.left) }];
+        let mut cameras = vec![CameraSettings {
+            name: "left",
+            source: args.left.clone(),
+            start: start(scene.left),
+            focal_px: args.focal_left,
+        }];
         if let Some(source) = &args.right {
             let Some(seeds) = scene.right else {
                 return Err(Failure::bad_arguments(format!("{label}: seeds.right is missing"))
                     .help("--right needs the places of the balls in the right camera's first frame"));
             };
-            cameras.push(CameraSettings { name: "right", source: source.clone(), start: start(seeds) });
+            cameras.push(CameraSettings {
+                name: "right",
+                source: source.clone(),
+                start: start(seeds),
+                focal_px: args.focal_right,
+            });
         }
         Ok(Self {
             cameras,
             balls,
             rigid: scene.rigid.unwrap_or(balls.is_all()),
             mode: args.mode,
+            one_camera_pose: args.one_camera_pose,
             arm_m: args.arm_mm.map(metres).or(scene.arm_m),
             fps: scene.fps,
             out: args.out.clone(),

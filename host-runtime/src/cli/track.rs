@@ -109,7 +109,7 @@ fn track(
 fn start(settings: &TrackSettings, frames: &[Frame<'_>]) -> Result<Pipeline, Failure> {
     let mut cameras: Vec<CameraStart> = Vec::new();
     for (camera, frame) in settings.cameras.iter().zip(frames) {
-        cameras.push(learnt(camera, frame)?);
+        cameras.push(CameraStart { focal_px: camera.focal_px, ..learnt(camera, frame)? });
     }
     let mut config = settings.mode.pipeline();
     config.tracker.rigid = settings.rigid;

@@ -1,11 +1,12 @@
-//! `pose.csv` and `motion.csv`: where the hand is and how it moved, one row a frame.
+//! `pose.csv`, `pose_covariance.csv` and `motion.csv`: where the hand is, how well that is known, and
+//! how it moved, one row a frame.
 
 use super::csv::{CsvFile, OutputError, Row};
 use nalgebra::Matrix3;
 use std::path::Path;
 use tetrad_core::geometry::Pose;
 use tetrad_core::hand::motion::Motion;
-use tetrad_core::hand::state::PoseState;
+use tetrad_core::hand::state::{PoseCovariance, PoseState};
 
 /// `frame,t,x,y,z,r11..r33,state`: metres, in the feature frame of the first complete frame; empty
 /// while there has been none.
@@ -37,6 +38,46 @@ impl PoseCsv {
             row.field(state.name());
         })
     }
+}
+
+/// `frame,t,residual_px,c11..c66`: how well the pose is known: the root mean square of measured minus
+/// projected in px, and the upper triangle of its covariance row by row ([`PoseCovariance`]: metres,
+/// then radians); empty where nothing is said about it.
+#[derive(Debug)]
+pub struct PoseCovarianceCsv(CsvFile);
+
+impl PoseCovarianceCsv {
+    /// Creates the file in `dir`.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be created.
+    pub fn create(dir: &Path) -> Result<Self, OutputError> {
+        let places = upper_triangle().map(|(i, j)| format!(",c{}{}", i + 1, j + 1));
+        let header = format!("frame,t,residual_px{}", places.collect::<String>());
+        CsvFile::create(dir, "pose_covariance.csv", &header).map(Self)
+    }
+
+    /// Adds one frame.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be written.
+    pub fn write(
+        &mut self,
+        (frame, t_s): (u64, f64),
+        residual_px: Option<f32>,
+        covariance: Option<&PoseCovariance>,
+    ) -> Result<(), OutputError> {
+        self.0.row(|row| {
+            row.field(frame).time(t_s).number(residual_px.unwrap_or(f32::NAN));
+            for place in upper_triangle() {
+                row.number(covariance.map_or(f32::NAN, |covariance| covariance[place]));
+            }
+        })
+    }
+}
+
+fn upper_triangle() -> impl Iterator<Item = (usize, usize)> {
+    (0..6).flat_map(|i| (i..6).map(move |j| (i, j)))
 }
 
 /// `frame,t,a1,a2,a3,phi11..phi33`: the paper's differential alpha in metres and Phi, since the last
@@ -102,6 +143,23 @@ mod tests {
              0,0.000000,,,,,,,,,,,,,lost\n\
              1,0.100000,0.1,-0.2,0.3,11,12,13,21,22,23,31,32,33,both\n"
         );
+    }
+
+    #[test]
+    fn a_covariance_is_its_upper_triangle_and_one_that_is_not_told_is_left_empty() {
+        let dir = tempfile::tempdir().unwrap();
+        let mut csv = PoseCovarianceCsv::create(dir.path()).unwrap();
+        let mut covariance = PoseCovariance::zeros();
+        covariance[(0, 5)] = 0.25;
+        covariance[(5, 5)] = 4.0;
+        csv.write((1, 0.5), Some(0.125), Some(&covariance)).unwrap();
+        csv.write((2, 1.0), None, None).unwrap();
+        let text = std::fs::read_to_string(dir.path().join("pose_covariance.csv")).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].starts_with("frame,t,residual_px,c11,c12,") && lines[0].ends_with(",c55,c56,c66"));
+        assert!(lines[1].starts_with("1,0.500000,0.125,0,0,0,0,0,0.25,0,") && lines[1].ends_with(",0,4"));
+        assert_eq!(lines[2], format!("2,1.000000{}", ",".repeat(22)));
+        assert!(lines.iter().all(|line| line.split(',').count() == 24));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What `track` and `demo` write: three CSV files as they go, and `summary.json` at the end.
+//! What `track` and `demo` write: CSV files as they go, and `summary.json` at the end.
 //!
 //! Every row is handed to the operating system at once, so what was written so far outlives an error.
 //! Numbers have the fewest digits that read back as the same `f32`; what is not known is left empty.
@@ -13,8 +13,8 @@ mod summary;
 mod truth;
 
 pub use csv::{CsvFile, OutputError};
-pub use hand::{MotionCsv, PoseCsv};
-pub use observations::ObservationsCsv;
+pub use hand::{MotionCsv, PoseCovarianceCsv, PoseCsv};
+pub use observations::{ObservationsCsv, UncertaintyCsv};
 pub use picture::Canvas;
 pub use recorder::{RecordedCamera, Recorder, Stamp};
 pub use scan::ScanCsv;

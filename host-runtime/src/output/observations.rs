@@ -1,4 +1,4 @@
-//! `observations.csv`: one row a ball, camera and frame.
+//! `observations.csv` and `uncertainty.csv`: one row a ball, camera and frame.
 
 use super::csv::{CsvFile, OutputError};
 use crate::balls::BallSet;
@@ -45,11 +45,53 @@ impl ObservationsCsv {
     }
 }
 
+/// `frame,t,camera,ball,uu,uv,vv,visible`: the covariance of the centre in px^2 and the share of the rim
+/// that was seen; the covariance empty when lost.
+#[derive(Debug)]
+pub struct UncertaintyCsv(CsvFile);
+
+impl UncertaintyCsv {
+    /// Creates the file in `dir`.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be created.
+    pub fn create(dir: &Path) -> Result<Self, OutputError> {
+        CsvFile::create(dir, "uncertainty.csv", "frame,t,camera,ball,uu,uv,vv,visible").map(Self)
+    }
+
+    /// Adds one picture's rows: the tracked balls in the paper's order.
+    ///
+    /// # Errors
+    /// [`OutputError`] when they cannot be written.
+    pub fn write(
+        &mut self,
+        (frame, t_s): (u64, f64),
+        camera: &str,
+        balls: BallSet,
+        observations: &Observations,
+    ) -> Result<(), OutputError> {
+        for ball in balls.iter() {
+            let seen = &observations[ball.index()];
+            self.0.row(|row| {
+                row.field(frame).time(t_s).field(camera).field(ball.name());
+                if seen.state == ObservationState::Lost {
+                    row.empty().empty().empty();
+                } else {
+                    let covariance = seen.covariance;
+                    row.number(covariance.uu).number(covariance.uv).number(covariance.vv);
+                }
+                row.number(seen.visible);
+            })?;
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use tetrad_core::geometry::ImagePoint;
-    use tetrad_core::observation::Observation;
+    use tetrad_core::observation::{ImageCovariance, Observation};
 
     #[test]
     fn a_lost_ball_has_no_place_and_an_untracked_ball_no_row() {
@@ -60,10 +102,19 @@ mod tests {
             state: ObservationState::Visible,
             centre: ImagePoint::new(12.25, 7.0),
             diameter: 16.5,
-            ..Observation::default()
+            covariance: ImageCovariance { uu: 0.25, uv: -0.125, vv: 0.5 },
+            visible: 0.75,
         };
         seen[3].centre = ImagePoint::new(5.0, 5.0);
-        csv.write((7, 0.25), "left", "red,yellow".parse().unwrap(), &seen).unwrap();
+        let balls: BallSet = "red,yellow".parse().unwrap();
+        csv.write((7, 0.25), "left", balls, &seen).unwrap();
+        UncertaintyCsv::create(dir.path()).unwrap().write((7, 0.25), "left", balls, &seen).unwrap();
+        assert_eq!(
+            std::fs::read_to_string(dir.path().join("uncertainty.csv")).unwrap(),
+            "frame,t,camera,ball,uu,uv,vv,visible\n\
+             7,0.250000,left,red,0.25,-0.125,0.5,0.75\n\
+             7,0.250000,left,yellow,,,,0\n"
+        );
         assert_eq!(
             std::fs::read_to_string(dir.path().join("observations.csv")).unwrap(),
             "frame,t,camera,ball,u,v,diameter,state\n\

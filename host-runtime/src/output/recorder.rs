@@ -1,6 +1,9 @@
 //! All result files of a run, kept in step.
 
-use super::{CameraSummary, MotionCsv, ObservationsCsv, OutputError, PoseCsv, Summary};
+use super::{
+    CameraSummary, MotionCsv, ObservationsCsv, OutputError, PoseCovarianceCsv, PoseCsv, Summary,
+    UncertaintyCsv,
+};
 use crate::balls::BallSet;
 use crate::pipeline::Step;
 use std::collections::BTreeMap;
@@ -28,13 +31,15 @@ pub struct Stamp {
     pub missed: u64,
 }
 
-/// Writes observations.csv, pose.csv and motion.csv as frames come, and summary.json at the end.
+/// Writes the CSV files as frames come, and summary.json at the end.
 #[derive(Debug)]
 pub struct Recorder {
     dir: PathBuf,
     balls: BallSet,
     observations: ObservationsCsv,
+    uncertainty: UncertaintyCsv,
     pose: PoseCsv,
+    pose_covariance: PoseCovarianceCsv,
     motion: MotionCsv,
     summary: Summary,
 }
@@ -58,7 +63,9 @@ impl Recorder {
             dir: dir.to_owned(),
             balls,
             observations: ObservationsCsv::create(dir)?,
+            uncertainty: UncertaintyCsv::create(dir)?,
             pose: PoseCsv::create(dir)?,
+            pose_covariance: PoseCovarianceCsv::create(dir)?,
             motion: MotionCsv::create(dir)?,
             summary: Summary { mode, frames: 0, cameras, pose_states: BTreeMap::new(), stopped_by: None },
         })
@@ -75,13 +82,18 @@ impl Recorder {
             let report = &camera.report;
             summary.add(camera.tracking, report.tested, &report.observations);
             summary.add_missed(stamp.missed);
-            self.observations.write((stamp.frame, stamp.t_s), name, self.balls, &report.observations)?;
+            let stamp = (stamp.frame, stamp.t_s);
+            self.observations.write(stamp, name, self.balls, &report.observations)?;
+            self.uncertainty.write(stamp, name, self.balls, &report.observations)?;
         }
         if let (Some(hand), Some(stamp)) = (&step.hand, stamps.first()) {
             let stamp = (stamp.frame, stamp.t_s);
             let hand = &hand.report;
             self.pose.write(stamp, hand.pose.as_ref(), hand.state)?;
-            self.motion.write(stamp, hand.motion.as_ref().ok())?;
+            let motion = hand.motion.as_ref().ok();
+            let residual_px = motion.map(|motion| motion.residual_px);
+            self.pose_covariance.write(stamp, residual_px, hand.covariance.as_ref())?;
+            self.motion.write(stamp, motion)?;
             *self.summary.pose_states.entry(hand.state.name().to_owned()).or_default() += 1;
         }
         self.summary.frames += 1;

@@ -68,6 +68,16 @@ fn fewer_balls_are_independent_and_have_no_pose() {
 }
 
 #[test]
+fn one_camera_has_a_pose_when_it_is_asked_for() {
+    let dir = files();
+    let flags = "--left a --colours-left four.toml --arm-mm 80 --focal-left 812.5 --out o";
+    let settings = check(&dir, flags).unwrap();
+    assert!(!settings.has_pose());
+    assert_eq!(settings.cameras[0].focal_px, Some(812.5));
+    assert!(check(&dir, &format!("{flags} --one-camera-pose")).unwrap().has_pose());
+}
+
+#[test]
 fn a_scene_gives_seeds_rate_and_arm() {
     let dir = files();
     let settings = check(&dir, "--left a --right b --scene scene.json --out o").unwrap();
@@ -116,6 +126,17 @@ fn what_is_missing_or_contradicts_is_named() {
         ("--left a --colours-left four.toml --arm-mm NaN --out o", "--arm-mm NaN"),
         ("--left a --colours-left four.toml --arm-mm x --out o", "invalid value 'x'"),
         ("--left a --colours-left four.toml --mode other --out o", "invalid value 'other'"),
+        (
+            "--left a --colours-left four.toml --focal-left 10 --out o",
+            "--focal-left 10: a focal length from 50 to 50000",
+        ),
+        ("--left a --colours-left four.toml --focal-left NaN --out o", "--focal-left NaN"),
+        ("--left a --colours-left four.toml --focal-right 800 --out o", "--right"),
+        (
+            "--left a --colours-left four.toml --arm-mm 80 --one-camera-pose --mode paper --out o",
+            "the paper's method needs two cameras",
+        ),
+        ("--left a --colours-left four.toml --one-camera-pose --out o", "--arm-mm"),
         ("--left a --colours-left four.toml --balls red,pink --out o", "`pink`"),
         ("--left a --colours-left red.toml --out o", "the green ball is missing"),
         ("--left a --colours-left none.toml --out o", "none.toml"),
