@@ -27,6 +27,7 @@ pub mod cli;
 pub mod colours;
 pub mod comparison;
 pub mod exit;
+pub mod filter_quality;
 pub mod learning;
 pub mod output;
 pub mod pipeline;
