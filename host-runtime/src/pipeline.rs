@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! frame ----> CameraTracker ----> observations --+
-//! frame ----> CameraTracker ----> observations --+--> HandTracker ----> motion, pose
+//! frame ----> CameraTracker ----> observations --+--> HandTracker ----> motion, pose ---> PoseFilter ---> pose
 //!                   ^                                     |
 //!                   +------ where each ball is next ------+
 //! ```
@@ -12,8 +12,10 @@
 
 use std::time::{Duration, Instant};
 use tetrad_core::config::{HandConfig, TrackerConfig};
-use tetrad_core::geometry::ImagePoint;
+use tetrad_core::geometry::{ImagePoint, Pose};
 use tetrad_core::hand::affine::Arms;
+use tetrad_core::hand::filter::PoseFilter;
+use tetrad_core::hand::state::PoseState;
 use tetrad_core::hand::tracker::{HandMode, HandReport, HandTracker};
 use tetrad_core::hand::view::{CameraModel, HandView};
 use tetrad_core::observation::{BALLS, Ball};
@@ -88,6 +90,8 @@ pub struct CameraStep {
 pub struct HandStep {
     /// Motion, pose and how well it is known.
     pub report: HandReport,
+    /// The pose smoothed and carried on by the filter's lead; `None` while the hand is lost.
+    pub filtered: Option<Pose>,
     /// How long the solver took.
     pub solving: Duration,
 }
@@ -106,6 +110,7 @@ pub struct Step {
 pub struct Pipeline {
     cameras: Vec<Camera>,
     hand: Option<HandTracker>,
+    filter: PoseFilter,
 }
 
 #[derive(Clone, Debug)]
@@ -136,7 +141,13 @@ impl Pipeline {
             cameras.push(Camera { tracker, focal_px: *focal_px });
         }
         let hand = arms.map(|arms| HandTracker::new(config.hand_mode, arms, config.hand));
-        Ok(Self { cameras, hand })
+        Ok(Self { cameras, hand, filter: PoseFilter::default() })
+    }
+
+    /// The same pipeline with a filter of other settings than the default ones.
+    #[must_use]
+    pub fn with_filter(self, filter: PoseFilter) -> Self {
+        Self { filter, ..self }
     }
 
     /// Latches the hand: from the next step on the pose is told from where the hand is now.
@@ -175,11 +186,28 @@ impl Pipeline {
             })
             .collect();
         let t_us = frames.first().map_or(0, |(_, t_us)| *t_us);
+        let filter = &mut self.filter;
         let hand = self.hand.as_mut().map(|hand| {
+            let engagements = hand.engagements();
             let started = Instant::now();
             let report = hand.update(&views, t_us);
-            HandStep { report, solving: started.elapsed() }
+            let solving = started.elapsed();
+            if hand.engagements() != engagements {
+                // the pose is told in other axes from here on
+                filter.reset();
+            }
+            HandStep { report, filtered: filtered(filter, &report, t_us), solving }
         });
         Step { cameras, hand }
     }
+}
+
+/// A measured pose filtered; one that is not is the filter's own to carry on.
+fn filtered(filter: &mut PoseFilter, report: &HandReport, t_us: u64) -> Option<Pose> {
+    if report.state == PoseState::Lost {
+        filter.reset();
+        return None;
+    }
+    let measured = report.pose.filter(|_| report.state.is_measured());
+    measured.and_then(|pose| filter.measure(t_us, &pose).ok()).or_else(|| filter.coast(t_us))
 }

@@ -11,7 +11,11 @@ use clap::{Args, ValueEnum};
 use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use tetrad_core::config::{MAX_ARM_M, MIN_ARM_M};
+use tetrad_core::config::{FilterConfig, MAX_ARM_M, MIN_ARM_M};
+
+mod filter;
+
+pub use filter::{FilterArgs, PredictionFlag, SmoothingFlag};
 
 /// The focal lengths that can be given, px: from a fisheye on a small picture to a long lens on the
 /// largest.
@@ -79,10 +83,13 @@ pub struct TrackArgs {
     /// Solve for the pose with the left camera alone (refined mode)
     #[arg(long, conflicts_with = "right")]
     pub one_camera_pose: bool,
+    /// How the pose is filtered
+    #[command(flatten)]
+    pub filter: FilterArgs,
     /// Track only these balls [default: the scene's, or all four]
     #[arg(long, value_name = "BALLS")]
     pub balls: Option<BallSet>,
-    /// Where observations.csv, pose.csv, motion.csv and summary.json go; made if missing
+    /// Where the results go: observations.csv, pose.csv, filtered.csv, motion.csv, summary.json ...; made if missing
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }
@@ -129,6 +136,8 @@ pub struct TrackSettings {
     pub arm_m: Option<f32>,
     /// Whether a pose is wanted although there is one camera.
     pub one_camera_pose: bool,
+    /// How the pose is filtered.
+    pub filter: FilterConfig,
     /// Frames per second where a source has no times.
     pub fps: Option<f64>,
     /// Where results go.
@@ -210,6 +219,7 @@ impl TrackSettings {
             arm_m,
             mode: args.mode,
             one_camera_pose: args.one_camera_pose,
+            filter: args.filter.config(),
             fps: None,
             out: args.out.clone(),
         })
@@ -254,6 +264,7 @@ impl TrackSettings {
             rigid: scene.rigid.unwrap_or(balls.is_all()),
             mode: args.mode,
             one_camera_pose: args.one_camera_pose,
+            filter: args.filter.config(),
             arm_m: args.arm_mm.map(metres).or(scene.arm_m),
             fps: scene.fps,
             out: args.out.clone(),

@@ -91,7 +91,11 @@ fn colours_that_were_learnt_find_the_balls_without_seeds() {
 fn one_camera_and_two_balls_leave_pose_and_motion_empty() {
     let clip = Clip::of("still", 2);
     let ran = clip.tetrad("track --left left --scene scene.json --balls red,yellow --out new/out").done();
-    assert!(ran.stderr.contains("one camera: pose.csv and motion.csv get no rows"), "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("one camera: pose.csv, filtered.csv and motion.csv get no rows"),
+        "{}",
+        ran.stderr
+    );
     let rows = csv(&clip.path("new/out/observations.csv"));
     let seen: Vec<_> = rows[1..].iter().map(|row| (row[0].as_str(), row[3].as_str())).collect();
     assert_eq!(seen, [("0", "red"), ("0", "yellow"), ("1", "red"), ("1", "yellow")]);

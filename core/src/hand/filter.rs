@@ -73,6 +73,13 @@ struct State {
     kinematics: Kinematics,
 }
 
+impl Default for PoseFilter {
+    /// A filter with the settings of [`FilterConfig::default`], which can be worked with.
+    fn default() -> Self {
+        Self { config: FilterConfig::default(), state: None }
+    }
+}
+
 impl PoseFilter {
     /// A filter that has seen nothing.
     ///

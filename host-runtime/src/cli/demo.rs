@@ -9,7 +9,7 @@ use crate::exit::{Exit, Failure, OrExit as _};
 use crate::learning;
 use crate::output::{CameraSummary, Canvas, RecordedCamera, Recorder, Spread, Stamp, TruthCsv};
 use crate::pipeline::{CameraStep, Pipeline, Step};
-use crate::settings::Mode;
+use crate::settings::{FilterArgs, Mode};
 use crate::source::View;
 use anyhow::Context as _;
 use clap::Args;
@@ -18,6 +18,7 @@ use std::time::{Duration, Instant};
 use tetrad_core::config::{LearnConfig, ProposeConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::Arms;
+use tetrad_core::hand::filter::PoseFilter;
 use tetrad_core::observation::BALLS;
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
 use tetrad_core::vision::learn::propose::propose;
@@ -66,6 +67,8 @@ pub(super) struct DemoArgs {
     /// How centres and poses are computed
     #[arg(long, value_enum, default_value_t = Mode::Refined)]
     mode: Mode,
+    #[command(flatten)]
+    filter: FilterArgs,
 }
 
 /// Runs `tetrad demo`.
@@ -77,6 +80,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let mut cameras = Cameras::new(&scene);
     cameras.render(0);
     let pipeline = learn(&scene, &cameras, args.mode)?;
+    let pipeline = pipeline.with_filter(PoseFilter::new(args.filter.config()).or_exit(Exit::BadArguments)?);
     let mut demo = Demo::new(args, &scene, pipeline)?;
     let outcome = demo.run(&mut cameras, frames, &interrupt);
     let stopped_by = outcome.as_ref().err().map(|failure| format!("{:#}", failure.cause));

@@ -14,6 +14,7 @@ use anyhow::Context as _;
 use std::ops::ControlFlow;
 use tetrad_core::config::LearnConfig;
 use tetrad_core::hand::affine::Arms;
+use tetrad_core::hand::filter::PoseFilter;
 use tetrad_core::observation::{BALLS, Ball};
 use tetrad_core::vision::appearance::LearntBall;
 use tetrad_core::vision::frame::FrameView;
@@ -28,7 +29,8 @@ Examples:
   Two of the balls in one camera:
     tetrad track --left toss.y4m --colours-left toss.toml --balls red,yellow --out run1
 
-DIR gets observations.csv, pose.csv, motion.csv and summary.json. Ctrl-C ends a live run.";
+DIR gets observations.csv, pose.csv, filtered.csv, motion.csv, summary.json and what is known of
+the errors. Ctrl-C ends a live run.";
 
 /// Runs `tetrad track`.
 pub(super) fn run(args: TrackArgs) -> Result<(), Failure> {
@@ -37,7 +39,7 @@ pub(super) fn run(args: TrackArgs) -> Result<(), Failure> {
     make_results_dir(&settings.out)?;
     if !settings.has_pose() {
         let reason = if settings.cameras.len() < 2 { "one camera" } else { "no rigid frame of four balls" };
-        note(format_args!("{reason}: pose.csv and motion.csv get no rows"));
+        note(format_args!("{reason}: pose.csv, filtered.csv and motion.csv get no rows"));
     }
     let interrupt = Interrupt::listen()?;
     let mut session = None;
@@ -117,11 +119,13 @@ fn start(settings: &TrackSettings, frames: &[Frame<'_>]) -> Result<Pipeline, Fai
         Some(length_m) => Some(Arms::equal(length_m).or_exit(Exit::BadArguments)?),
         None => None,
     };
-    Pipeline::new(&cameras, config, arms).map_err(|(camera, error)| {
+    let filter = PoseFilter::new(settings.filter).or_exit(Exit::BadArguments)?;
+    let pipeline = Pipeline::new(&cameras, config, arms).map_err(|(camera, error)| {
         let name = settings.cameras.get(camera).map_or("", |camera| camera.name);
         let cause = anyhow::Error::new(error).context(format!("the {name} camera cannot be tracked"));
         Failure::new(Exit::BadArguments, cause)
-    })
+    })?;
+    Ok(pipeline.with_filter(filter))
 }
 
 fn learnt(camera: &CameraSettings, frame: &Frame<'_>) -> Result<CameraStart, Failure> {

@@ -1,5 +1,5 @@
-//! `pose.csv`, `pose_covariance.csv` and `motion.csv`: where the hand is, how well that is known, and
-//! how it moved, one row a frame.
+//! `pose.csv`, `filtered.csv`, `pose_covariance.csv` and `motion.csv`: where the hand is, as measured
+//! and as filtered, how well that is known, and how it moved, one row a frame.
 
 use super::csv::{CsvFile, OutputError, Row};
 use nalgebra::Matrix3;
@@ -19,7 +19,19 @@ impl PoseCsv {
     /// # Errors
     /// [`OutputError`] when it cannot be created.
     pub fn create(dir: &Path) -> Result<Self, OutputError> {
-        CsvFile::create(dir, "pose.csv", "frame,t,x,y,z,r11,r12,r13,r21,r22,r23,r31,r32,r33,state").map(Self)
+        Self::named(dir, "pose.csv")
+    }
+
+    /// Creates filtered.csv, which has the same columns: the pose smoothed and carried on.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be created.
+    pub fn create_filtered(dir: &Path) -> Result<Self, OutputError> {
+        Self::named(dir, "filtered.csv")
+    }
+
+    fn named(dir: &Path, name: &str) -> Result<Self, OutputError> {
+        CsvFile::create(dir, name, "frame,t,x,y,z,r11,r12,r13,r21,r22,r23,r31,r32,r33,state").map(Self)
     }
 
     /// Adds one frame: the pose, and how it is known.

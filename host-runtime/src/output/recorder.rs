@@ -39,6 +39,7 @@ pub struct Recorder {
     observations: ObservationsCsv,
     uncertainty: UncertaintyCsv,
     pose: PoseCsv,
+    filtered: PoseCsv,
     pose_covariance: PoseCovarianceCsv,
     motion: MotionCsv,
     summary: Summary,
@@ -65,9 +66,17 @@ impl Recorder {
             observations: ObservationsCsv::create(dir)?,
             uncertainty: UncertaintyCsv::create(dir)?,
             pose: PoseCsv::create(dir)?,
+            filtered: PoseCsv::create_filtered(dir)?,
             pose_covariance: PoseCovarianceCsv::create(dir)?,
             motion: MotionCsv::create(dir)?,
-            summary: Summary { mode, frames: 0, cameras, pose_states: BTreeMap::new(), stopped_by: None },
+            summary: Summary {
+                mode,
+                frames: 0,
+                cameras,
+                solving: Vec::new(),
+                pose_states: BTreeMap::new(),
+                stopped_by: None,
+            },
         })
     }
 
@@ -88,6 +97,8 @@ impl Recorder {
         }
         if let (Some(hand), Some(stamp)) = (&step.hand, stamps.first()) {
             let stamp = (stamp.frame, stamp.t_s);
+            self.summary.solving.push(hand.solving);
+            self.filtered.write(stamp, hand.filtered.as_ref(), hand.report.state)?;
             let hand = &hand.report;
             self.pose.write(stamp, hand.pose.as_ref(), hand.state)?;
             let motion = hand.motion.as_ref().ok();

@@ -37,6 +37,10 @@ impl Spread {
     }
 }
 
+fn microseconds(times: &[Duration]) -> Option<Spread> {
+    Spread::of(times.iter().map(|t| t.as_secs_f64() * 1e6))
+}
+
 /// Frames in each state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct StateCounts {
@@ -104,7 +108,7 @@ impl CameraSummary {
     /// Microseconds of tracking a frame.
     #[must_use]
     pub fn tracking_us(&self) -> Option<Spread> {
-        Spread::of(self.tracking.iter().map(|t| t.as_secs_f64() * 1e6))
+        microseconds(&self.tracking)
     }
 
     /// Pixels tested a frame.
@@ -142,6 +146,8 @@ pub struct Summary {
     pub frames: u64,
     /// The cameras by name, in the order of the command line.
     pub cameras: Vec<(&'static str, CameraSummary)>,
+    /// How long the hand's solver took in each frame; empty without a pose.
+    pub solving: Vec<Duration>,
     /// Frames of each state of the pose; empty without a pose.
     pub pose_states: BTreeMap<String, u64>,
     /// The message of the error that ended the run early.
@@ -168,6 +174,7 @@ struct Report<'a> {
     stopped_by: Option<&'a str>,
     frames: u64,
     cameras: BTreeMap<&'static str, CameraReport<'a>>,
+    pose_us: Option<Spread>,
     pose: &'a BTreeMap<String, u64>,
 }
 
@@ -194,6 +201,12 @@ impl Summary {
         Ok(())
     }
 
+    /// Microseconds of solving for the hand a frame.
+    #[must_use]
+    pub fn pose_us(&self) -> Option<Spread> {
+        microseconds(&self.solving)
+    }
+
     /// Writes `summary.json` into `dir`: all of it, or nothing under that name.
     ///
     /// # Errors
@@ -206,6 +219,7 @@ impl Summary {
             stopped_by: self.stopped_by.as_deref(),
             frames: self.frames,
             cameras: self.cameras.iter().map(|(name, camera)| (*name, camera.report())).collect(),
+            pose_us: self.pose_us(),
             pose: &self.pose_states,
         };
         let (path, unfinished) = (dir.join(FILE_NAME), dir.join(UNFINISHED_NAME));
@@ -245,6 +259,7 @@ mod tests {
             mode: "paper",
             frames: 2,
             cameras: vec![("left", camera)],
+            solving: vec![Duration::from_micros(4), Duration::from_micros(6)],
             pose_states: BTreeMap::new(),
             stopped_by: None,
         };
@@ -259,6 +274,7 @@ mod tests {
             (left["tracking_us"]["min"].as_f64(), left["tracking_us"]["p99"].as_f64()),
             (Some(30.0), Some(50.0))
         );
+        assert_eq!(json["pose_us"]["mean"].as_f64(), Some(5.0));
         assert_eq!(left["pixels_tested"]["mean"].as_f64(), Some(600.0));
         assert_eq!(left["states"]["red"]["visible"].as_u64(), Some(1));
         assert_eq!(left["states"]["red"]["lost"].as_u64(), Some(1));

@@ -239,7 +239,7 @@ fn what_is_refused_changes_nothing() {
 fn settings_that_cannot_be_worked_with_are_named() {
     use FilterConfigError::*;
     let good = FilterConfig::default();
-    assert!(PoseFilter::new(good).is_ok());
+    assert!(PoseFilter::new(good).is_ok(), "and so PoseFilter::default is one");
     let euro = |euro| FilterConfig { smoothing: Smoothing::OneEuro(euro), ..good };
     let plain = OneEuroConfig::default();
     for (config, error) in [
