@@ -17,7 +17,8 @@
 //! devices: stations and tests feed it frames.
 //!
 //! [`output`] writes results as they come, [`comparison`] measures them against the truth of a
-//! simulated scene.
+//! simulated scene. [`evaluate`] does so for the experiments of the paper, and [`report`] makes tables,
+//! figures and a page of the numbers.
 //!
 //! [`settings`] turns flags and files into checked settings, [`cli`] runs a command with them, and
 //! [`exit`] carries what went wrong to `main`, which alone prints errors and ends the process.
@@ -26,11 +27,13 @@ pub mod balls;
 pub mod cli;
 pub mod colours;
 pub mod comparison;
+pub mod evaluate;
 pub mod exit;
 pub mod filter_quality;
 pub mod learning;
 pub mod output;
 pub mod pipeline;
+pub mod report;
 pub mod scene_file;
 pub mod settings;
 pub mod source;

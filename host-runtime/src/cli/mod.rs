@@ -2,6 +2,7 @@
 
 mod demo;
 pub mod devices;
+mod evaluate;
 mod interrupt;
 mod learn;
 mod progress;
@@ -43,6 +44,9 @@ enum Command {
     /// List cameras, serial ports and CAN interfaces
     #[command(after_help = devices::EXAMPLES)]
     Devices,
+    /// Measure both modes as section 5 of the paper does, and report
+    #[command(after_help = evaluate::EXAMPLES)]
+    Evaluate(evaluate::EvaluateArgs),
     /// Teach the balls' colours as one camera sees them
     #[command(after_help = learn::EXAMPLES)]
     Learn(learn::LearnArgs),
@@ -59,6 +63,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Demo(args) => demo::run(&args),
         Command::Devices => devices::run(),
+        Command::Evaluate(args) => evaluate::run(&args),
         Command::Learn(args) => learn::run(&args),
         Command::Track(args) => track::run(args),
     }?;
