@@ -293,7 +293,7 @@ impl TrackerConfig {
     /// `paper` mode: the row-edge centre of eq. 2.
     #[must_use]
     pub fn paper() -> Self {
-        Self { centre: CentreConfig { mode: CentreMode::RowEdge }, ..Self::default() }
+        Self { centre: CentreConfig::paper(), ..Self::default() }
     }
 
     /// Whether every setting can be worked with.

@@ -1,20 +1,86 @@
-//! How a ball's centre is measured.
+//! The refined centre ([`crate::vision::rim`]).
 
-/// Which measure of the centre is reported.
+/// Which centre is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CentreMode {
-    /// The paper's: eq. 2 over the row edges.
+    /// The paper's: eq. 2 over the rows' edges, eq. 3 where a ball hides another.
     RowEdge,
-    /// A robust fit to the sub-pixel rim.
+    /// The rim to a small part of a pixel, and a robust curve through it.
     #[default]
     Refined,
 }
 
 /// The centre of a ball.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CentreConfig {
-    /// Which measure is reported.
+    /// Which centre is measured.
     pub mode: CentreMode,
+    /// The most times the rim is scanned, each time around the last fit.
+    pub passes: u8,
+    /// A fit that moves the centre and the radius no more than this is not repeated, pixels: a scan
+    /// has so much to spare on either side.
+    pub settled_pixels: f32,
+    /// How far inside the expected rim a scan starts, pixels; half the radius of small balls.
+    pub inside_pixels: i32,
+    /// How far outside it ends: two pixels of pure background beyond the blur of the rim.
+    pub outside_pixels: i32,
+    /// A blob whose width and height are within so many pixels ...
+    pub warm_pixels: f32,
+    /// ... and this share of the last one's starts from where the last rim was.
+    pub warm_share: f32,
+    /// How far the radius may be from the remembered one where rays look for the rim, a ratio.
+    pub known_range: f32,
+    /// The same where none is remembered but the row edges' diameter.
+    pub unknown_range: f32,
+    /// How far the radius is thought to change between frames: this share ...
+    pub radius_share: f32,
+    /// ... and so many pixels.
+    pub radius_pixels: f32,
+    /// How far it may be from the rays' first circle, as a share, where nothing is remembered.
+    pub unknown_share: f32,
+    /// How far the rim may be from a circle, as a share of the radius: perspective at the edge of a
+    /// wide picture.
+    pub harmonic_share: f32,
+    /// Fewest edges on the curve.
+    pub least_edges: u32,
+    /// The least share of the rim on the curve.
+    pub least_visible: f32,
+    /// From this share on the radius is remembered.
+    pub whole_visible: f32,
+    /// What no fit is better than, pixels: measured.
+    pub floor_pixels: f32,
+}
+
+impl CentreConfig {
+    /// The paper's centre.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self { mode: CentreMode::RowEdge, ..Self::default() }
+    }
+}
+
+impl Default for CentreConfig {
+    fn default() -> Self {
+        Self {
+            mode: CentreMode::Refined,
+            passes: 3,
+            settled_pixels: 0.7,
+            inside_pixels: 3,
+            outside_pixels: 4,
+            warm_pixels: 1.5,
+            warm_share: 0.1,
+            known_range: 1.15,
+            unknown_range: 1.8,
+            radius_share: 0.02,
+            radius_pixels: 0.05,
+            unknown_share: 0.3,
+            harmonic_share: 0.02,
+            least_edges: 6,
+            least_visible: 0.15,
+            whole_visible: 0.75,
+            floor_pixels: 0.01,
+        }
+    }
 }

@@ -11,6 +11,7 @@ use super::detect::{Candidate, Expectation, Scratch, Search};
 use super::frame::{FrameView, Rgb};
 use super::occlusion::touch;
 use super::reacquire::{Places, choose, gate, suggested};
+use super::rim::Rim;
 use super::search::Region;
 use super::track::{Attempt, BallTrack, Mode, Tracks};
 use crate::config::{MAX_CANDIDATES, TrackerConfig};
@@ -31,6 +32,8 @@ pub(super) struct Find {
     /// Whether another ball is so near that it may hide a part of it.
     pub(super) touching: bool,
     pub(super) centre: ImagePoint,
+    /// Its rim, where the refined centre found one.
+    pub(super) rim: Option<Rim>,
 }
 
 impl Find {
@@ -45,6 +48,7 @@ impl Find {
             whole: false,
             touching: false,
             centre: blob.centre,
+            rim: None,
         }
     }
 }

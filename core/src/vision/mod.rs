@@ -15,6 +15,8 @@ pub mod edges;
 
 pub mod centre;
 
+pub mod rim;
+
 pub mod learn;
 
 pub mod appearance;

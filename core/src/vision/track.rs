@@ -2,6 +2,7 @@
 
 use super::appearance::{Appearance, LearntBall, LearntBallError};
 use super::centre::Clean;
+use super::rim::RimMemory;
 use crate::config::Retry;
 use crate::geometry::ImagePoint;
 use crate::observation::BALLS;
@@ -83,6 +84,8 @@ pub(super) type Tracks = [Option<BallTrack>; BALLS];
 pub(super) struct BallTrack {
     pub(super) appearance: Appearance,
     pub(super) clean: Clean,
+    /// The rim as it was last found.
+    pub(super) rim: Option<RimMemory>,
     /// Where the others were when this one was last measured.
     pub(super) companions: [Option<ImagePoint>; BALLS],
     last: Option<Fix>,
@@ -102,6 +105,7 @@ impl BallTrack {
         Ok(Self {
             appearance: Appearance::new(learnt)?,
             clean: Clean::taught(learnt.diameter, learnt.aspect),
+            rim: None,
             companions: [None; BALLS],
             last: None,
             velocity: ImagePoint::default(),
@@ -125,6 +129,11 @@ impl BallTrack {
             let ahead = t_us.saturating_sub(last.t_us).min(MAX_EXTRAPOLATION_US);
             Some(last.centre + self.velocity * ahead as f32)
         })
+    }
+
+    /// As it was last seen whole, pixels: of the rim where one was found.
+    pub(super) fn diameter(&self) -> f32 {
+        self.rim.map_or(self.clean.diameter, |rim| rim.diameter())
     }
 
     pub(super) fn last_centre(&self) -> Option<ImagePoint> {

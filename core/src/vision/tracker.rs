@@ -14,11 +14,12 @@ use super::frame::FrameView;
 use super::locate::{Doubtful, Find, Finds, Locator, places};
 use super::occlusion::{Seen, centre_behind, centre_beyond_the_edge, is_hidden_by, touch};
 use super::reacquire::{Places, stray, suggested};
+use super::rim::{RimMemory, Sought, find_rim};
 use super::search::Region;
 pub use super::track::Mode;
 use super::track::{BallTrack, Tracks};
 use super::validation::{geometric_mismatch, is_whole, shape_holds};
-use crate::config::{ConfigError, TrackerConfig};
+use crate::config::{CentreMode, ConfigError, TrackerConfig};
 use crate::geometry::ImagePoint;
 use crate::observation::{BALLS, Ball, ImageCovariance, Observation, ObservationState, Observations};
 use core::fmt;
@@ -26,6 +27,13 @@ use core::fmt;
 /// The standard deviation of a row-edge centre along each axis, px: section 5 reports a mean error
 /// of 0.1 px in even light. The measure itself says nothing about the light.
 const PAPER_SIGMA_PX: f32 = 0.1;
+
+/// That of a whole ball whose rim was refused, in diameters: the row edges of a ball lit from one side
+/// are off by a tenth.
+const UNREFINED_SIGMA: f32 = 0.1;
+
+/// That of a ball seen in part whose rim was refused.
+const UNREFINED_PART_SIGMA: f32 = 0.25;
 
 /// That of a predicted place, in diameters.
 const PREDICTED_SIGMA: f32 = 0.5;
@@ -148,6 +156,7 @@ impl CameraTracker {
         self.judge_whole(&mut finds);
         self.drop_lone_part(&mut finds);
         self.place_hidden(frame, &mut finds, &mut report.tested);
+        self.refine(frame, &mut finds, &mut report.tested);
         self.validate(&finds, &predicted, &mut report);
         self.follow_colours(frame, &finds, &mut report);
         self.remember(t_us, &finds, &predicted, &mut report);
@@ -273,6 +282,29 @@ impl CameraTracker {
         }
     }
 
+    /// Where a ball's rim is found, its centre takes the place of the row edges' (and of eq. 3).
+    fn refine(&mut self, frame: &FrameView<'_>, finds: &mut Finds, tested: &mut u32) {
+        let c = &self.config.centre;
+        if c.mode == CentreMode::RowEdge {
+            return;
+        }
+        for (find, track) in finds.iter_mut().zip(&mut self.tracks) {
+            let (Some(find), Some(track)) = (find, track) else { continue };
+            let sought = Sought {
+                blob: &find.blob,
+                matcher: &find.matcher,
+                memory: track.rim.as_ref(),
+                diameter: track.clean.diameter,
+                aspect: track.appearance.learnt().aspect,
+            };
+            if let Ok(rim) = find_rim(frame, &sought, c, tested) {
+                find.centre = rim.centre;
+                find.rim = Some(rim);
+                track.rim = Some(RimMemory::after(track.rim.as_ref(), &rim, &find.blob, c));
+            }
+        }
+    }
+
     /// Section 3.5. Colours are confirmed only when all tracked balls are whole and, for a rigid
     /// frame, stand to each other as predicted.
     fn validate(&mut self, finds: &Finds, predicted: &Places, report: &mut StepReport) {
@@ -319,6 +351,7 @@ impl CameraTracker {
         let places = places(finds);
         let predict_us = self.config.occlusion.predict_us;
         let rigid = self.config.rigid;
+        let refined = self.config.centre.mode == CentreMode::Refined;
         let outputs = report.observations.iter_mut().zip(&mut report.modes).zip(&mut report.scores);
         for (k, ((((observation, mode), score), track), find)) in
             outputs.zip(&mut self.tracks).zip(finds).enumerate()
@@ -334,12 +367,18 @@ impl CameraTracker {
                 }
                 *mode = find.mode;
                 *score = find.score;
+                let seen = (find.blob.area / track.clean.area.max(1.0)).min(1.0);
+                let (covariance, visible) = match (find.rim, refined) {
+                    (Some(rim), _) => (rim.covariance, rim.visible),
+                    (None, true) => (unrefined(find, track.diameter()), seen),
+                    (None, false) => (ImageCovariance::isotropic(PAPER_SIGMA_PX), seen),
+                };
                 *observation = Observation {
                     state: if find.whole { ObservationState::Visible } else { ObservationState::Occluded },
                     centre: find.centre,
-                    diameter: track.clean.diameter,
-                    covariance: ImageCovariance::isotropic(PAPER_SIGMA_PX),
-                    visible: (find.blob.area / track.clean.area.max(1.0)).min(1.0),
+                    diameter: track.diameter(),
+                    covariance,
+                    visible,
                 };
                 continue;
             }
@@ -352,7 +391,7 @@ impl CameraTracker {
                     *observation = Observation {
                         state: ObservationState::Predicted,
                         centre,
-                        diameter: track.clean.diameter,
+                        diameter: track.diameter(),
                         covariance: ImageCovariance::isotropic(PREDICTED_SIGMA * track.clean.diameter),
                         visible: 0.0,
                     };
@@ -362,6 +401,12 @@ impl CameraTracker {
             }
         }
     }
+}
+
+/// How well a row-edge centre is known where the rim was refused.
+fn unrefined(find: &Find, diameter: f32) -> ImageCovariance {
+    let share = if find.whole { UNREFINED_SIGMA } else { UNREFINED_PART_SIGMA };
+    ImageCovariance::isotropic(PAPER_SIGMA_PX + share * diameter)
 }
 
 #[cfg(test)]

@@ -117,8 +117,16 @@ pub(crate) fn time_us(scene: &Scene, frame: usize) -> u64 {
 
 /// A tracker that has been taught the four balls where they are in the first frame.
 pub(crate) fn taught(view: &FrameView<'_>, first: &[BallTruth; BALLS]) -> CameraTracker {
+    taught_with(view, first, TrackerConfig::paper())
+}
+
+/// The same with settings of one's own.
+pub(crate) fn taught_with(
+    view: &FrameView<'_>,
+    first: &[BallTruth; BALLS],
+    config: TrackerConfig,
+) -> CameraTracker {
     let balls = Ball::ALL.map(|ball| Some(learnt(view, ball, &first[ball.index()])));
-    let config = TrackerConfig::paper();
     let mut tracker = CameraTracker::new(config, balls).expect("the balls of a scene can be tracked");
     for (ball, truth) in Ball::ALL.into_iter().zip(first) {
         tracker.place(ball, centre(truth));

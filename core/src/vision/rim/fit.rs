@@ -1,0 +1,135 @@
+//! A closed curve through edges, some of which are not on it.
+
+use super::scan::{Edge, Edges, MAX_SCANS};
+use crate::geometry::ImagePoint;
+use nalgebra::{SMatrix, SVector};
+
+/// Radius, centre (2), second harmonics (2).
+const UNKNOWNS: usize = 5;
+
+/// Scales of the weight function in turn, pixels: an edge this far off the curve counts a quarter. The
+/// first is about how far the first curve may be off.
+const SCALES: [f32; 4] = [2.0, 1.0, 0.5, 0.3];
+
+/// What an edge is off without being wrong, pixels: weighs edges against the prior.
+const EDGE_SIGMA: f32 = 0.1;
+
+/// Nothing is known beforehand of the centre: so many pixels.
+const CENTRE_SIGMA: f32 = 20.0;
+
+/// From this weight on an edge is on the curve.
+const INLIER_WEIGHT: f32 = 0.25;
+
+/// A circle with the second harmonics that perspective gives it, in a picture whose rows were divided
+/// by the aspect: r = radius + a cos 2t + b sin 2t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Curve {
+    pub(super) centre: ImagePoint,
+    pub(super) radius: f32,
+    pub(super) a: f32,
+    pub(super) b: f32,
+}
+
+/// What is known of the curve before it is fitted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Prior {
+    pub(super) radius: f32,
+    pub(super) radius_sigma: f32,
+    pub(super) a: f32,
+    pub(super) b: f32,
+    pub(super) harmonic_sigma: f32,
+}
+
+/// A curve and how well it fits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fit {
+    pub(super) curve: Curve,
+    /// Of the centre, pixels squared: uu, uv, vv (v divided by the aspect).
+    pub(super) covariance: [f32; 3],
+    /// Edges on the curve.
+    pub(super) inliers: u32,
+}
+
+type Normal = SMatrix<f32, UNKNOWNS, UNKNOWNS>;
+type Unknowns = SVector<f32, UNKNOWNS>;
+
+/// Fits a curve to edges given from the centre of `start`. `None` where they do not determine one.
+pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior) -> Option<Fit> {
+    let mut rows: heapless::Vec<Row, MAX_SCANS> = heapless::Vec::new();
+    for Edge { x, y, weight } in &edges.edges {
+        let rho2 = (x * x + y * y).max(1e-3);
+        let rho = libm::sqrtf(rho2);
+        let (c, s) = (x / rho, y / rho);
+        // there are as many places as edges
+        let _ = rows.push(Row { terms: [1.0, c, s, c * c - s * s, 2.0 * c * s], rho, weight: *weight });
+    }
+    // from the centre of `start`
+    let mut unknowns = [start.radius, 0.0, 0.0, start.a, start.b];
+    let mut last = None;
+    for scale in SCALES {
+        let per_scale2 = 1.0 / (scale * scale);
+        let (mut normal, mut right) = equations_of(prior);
+        let (mut weights, mut squares, mut inliers) = (0.0f32, 0.0f32, 0u32);
+        for Row { terms, rho, weight } in &rows {
+            let off = rho - product(terms, &unknowns);
+            let near = 1.0 / (1.0 + off * off * per_scale2);
+            let robust = near * near;
+            let w = weight * robust;
+            weights += w;
+            squares += w * off * off;
+            inliers += u32::from(robust >= INLIER_WEIGHT);
+            add(&mut normal, &mut right, terms, *rho, w);
+        }
+        let factor = normal.cholesky()?;
+        let solved: Unknowns = factor.solve(&right);
+        [unknowns] = solved.data.0;
+        last = Some((factor, weights, squares, inliers));
+    }
+    let (factor, weights, squares, inliers) = last?;
+    let variance = squares / (weights - UNKNOWNS as f32 * 0.5).max(1.0);
+    let [radius, du, dv, a, b] = unknowns;
+    let inverse = factor.inverse();
+    let at = |i: usize, j: usize| inverse.get((i, j)).copied().unwrap_or(f32::MAX);
+    let sigma2 = variance.max(EDGE_SIGMA * EDGE_SIGMA * 0.01);
+    let centre = ImagePoint::new(start.centre.u + du, start.centre.v + dv * aspect);
+    let good = centre.is_finite() && radius.is_finite() && a.is_finite() && b.is_finite();
+    good.then_some(Fit {
+        curve: Curve { centre, radius, a, b },
+        covariance: [at(1, 1) * sigma2, at(1, 2) * sigma2, at(2, 2) * sigma2],
+        inliers,
+    })
+}
+
+/// The prior as equations of the weight of its certainty.
+fn equations_of(prior: &Prior) -> (Normal, Unknowns) {
+    let per = |sigma: f32| (EDGE_SIGMA * EDGE_SIGMA) / (sigma * sigma).max(1e-6);
+    let (radius, centre, harmonic) = (per(prior.radius_sigma), per(CENTRE_SIGMA), per(prior.harmonic_sigma));
+    let normal = Normal::from_diagonal(&Unknowns::from([radius, centre, centre, harmonic, harmonic]));
+    let right = Unknowns::from([radius * prior.radius, 0.0, 0.0, harmonic * prior.a, harmonic * prior.b]);
+    (normal, right)
+}
+
+/// One edge as an equation.
+struct Row {
+    terms: [f32; UNKNOWNS],
+    rho: f32,
+    weight: f32,
+}
+
+fn product(a: &[f32; UNKNOWNS], b: &[f32; UNKNOWNS]) -> f32 {
+    let ([a0, a1, a2, a3, a4], [b0, b1, b2, b3, b4]) = (a, b);
+    a0 * b0 + a1 * b1 + a2 * b2 + a3 * b3 + a4 * b4
+}
+
+/// Adds one edge to the normal equations.
+#[inline]
+fn add(normal: &mut Normal, right: &mut Unknowns, row: &[f32; UNKNOWNS], value: f32, weight: f32) {
+    let columns = normal.data.0.iter_mut().zip(right.data.0.iter_mut().flatten()).zip(row);
+    for ((column, right), x) in columns {
+        let weighted = weight * x;
+        *right += weighted * value;
+        for (entry, y) in column.iter_mut().zip(row) {
+            *entry += weighted * y;
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! The refined centre: a ball's rim to a small part of a pixel, and the centre it has.
+//!
+//! ```text
+//! row-edge blob -> first circle -> scans across the rim -> sub-pixel edges -> robust fit -> centre
+//!                 (warm or rays)   (rows and columns)      (unmixing)         (circle + 2 harmonics)
+//! ```
+//! The row-edge centre of section 3.3 rests on a threshold, and a threshold half way between ball and
+//! background lies at the rim only where the ball is evenly lit. Here every pixel near the rim is
+//! taken apart into a share of ball, however bright, and a share of background (`unmix`), and the sum
+//! of the shares along a row or column (`scan`) is where the rim lies: shading does not move it, the
+//! pixel raster does not, motion during the exposure leaves it in the middle of the motion, and two
+//! pixels that share their chroma have the right sum between them. A fit (`fit`) that gives way to what
+//! does not lie on one curve leaves out fingers, highlights and other balls.
+//!
+//! Work is bounded: at most [`MAX_SCANS`] scans of [`MAX_SCAN_PIXELS`] pixels, at most
+//! [`CentreConfig::passes`] times. No pixel is interpolated and no angle computed.
+
+mod fit;
+mod rays;
+mod scan;
+mod unmix;
+
+use super::centre::Blob;
+use super::colour::Matcher;
+use super::frame::FrameView;
+use crate::config::CentreConfig;
+use crate::geometry::{ImagePoint, round_to_i32};
+use crate::observation::ImageCovariance;
+use core::fmt;
+use fit::{Curve, Fit, Prior, fit};
+use rays::Rays;
+pub use scan::{MAX_SCAN_PIXELS, MAX_SCANS};
+use scan::{Reach, Scanner};
+use unmix::Palette;
+
+/// What a rim says of its ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rim {
+    /// The centre of the outline.
+    pub centre: ImagePoint,
+    /// The outline's width, pixels.
+    pub diameter: f32,
+    /// Of the centre, pixels squared.
+    pub covariance: ImageCovariance,
+    /// The share of the rim that was seen and lies on the curve, 0 to 1.
+    pub visible: f32,
+    shape: Shape,
+}
+
+/// Why a rim gives no centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum RimRefusal {
+    /// The ball is nearly black: it has no hue to tell it by.
+    NoColour,
+    /// Too little of the rim is in sight, or it does not look like one.
+    TooLittle,
+    /// The curve that fits best is not where the ball is, or not of its size.
+    Elsewhere,
+}
+
+impl fmt::Display for RimRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoColour => "the ball is too dark to have a hue",
+            Self::TooLittle => "too little of the ball's rim is in sight",
+            Self::Elsewhere => "the curve that fits best is not this ball's rim",
+        })
+    }
+}
+
+impl core::error::Error for RimRefusal {}
+
+/// What a curve is but for its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Shape {
+    radius: f32,
+    a: f32,
+    b: f32,
+}
+
+impl Shape {
+    /// From its left-most to its right-most point, pixels.
+    const fn width(&self) -> f32 {
+        2.0 * (self.radius + self.a)
+    }
+}
+
+/// What is remembered of a rim from one frame to the next: the next starts from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RimMemory {
+    /// When most of it was last in sight.
+    whole: Shape,
+    /// From the row-edge centre to the rim's, and the blob that had it.
+    offset: ImagePoint,
+    diameter: f32,
+    height: f32,
+}
+
+impl RimMemory {
+    /// What to remember after `rim` was measured of `blob`.
+    #[must_use]
+    pub fn after(former: Option<&Self>, rim: &Rim, blob: &Blob, config: &CentreConfig) -> Self {
+        let whole = match former {
+            Some(former) if rim.visible < config.whole_visible => former.whole,
+            _ => rim.shape,
+        };
+        Self { whole, offset: rim.centre - blob.centre, diameter: blob.diameter, height: blob.height }
+    }
+
+    /// The diameter when most of the rim was last in sight, pixels.
+    #[must_use]
+    pub fn diameter(&self) -> f32 {
+        self.whole.width()
+    }
+
+    /// Whether a blob is so much like the last one that its rim lies where that one's did.
+    fn resembles(&self, blob: &Blob, config: &CentreConfig) -> bool {
+        let limit = config.warm_pixels + config.warm_share * self.diameter;
+        libm::fabsf(blob.diameter - self.diameter) <= limit && libm::fabsf(blob.height - self.height) <= limit
+    }
+}
+
+/// One ball whose rim is sought.
+#[derive(Clone, Copy, Debug)]
+pub struct Sought<'a> {
+    /// What the row edges gave.
+    pub blob: &'a Blob,
+    /// What gave them.
+    pub matcher: &'a Matcher,
+    /// What is remembered from the frame before.
+    pub memory: Option<&'a RimMemory>,
+    /// The diameter when it was last seen whole (the paper's measure), pixels.
+    pub diameter: f32,
+    /// Height / width, as learnt.
+    pub aspect: f32,
+}
+
+/// Finds the rim of a ball. `tested` grows by the pixels read.
+///
+/// # Errors
+/// [`RimRefusal`]: then the row-edge centre is all there is.
+pub fn find_rim(
+    frame: &FrameView<'_>,
+    sought: &Sought<'_>,
+    config: &CentreConfig,
+    tested: &mut u32,
+) -> Result<Rim, RimRefusal> {
+    let search = Search { frame, sought, config };
+    if let Some(memory) = sought.memory
+        && memory.resembles(sought.blob, config)
+    {
+        let centre = sought.blob.centre + memory.offset;
+        let Shape { radius, a, b } = memory.whole;
+        let start = Curve { centre, radius, a, b };
+        let palette = search.palette(centre, radius, tested)?;
+        if let Ok(rim) = search.follow(start, &palette, tested) {
+            return Ok(rim);
+        }
+    }
+    search.anew(tested)
+}
+
+struct Search<'a> {
+    frame: &'a FrameView<'a>,
+    sought: &'a Sought<'a>,
+    config: &'a CentreConfig,
+}
+
+impl Search<'_> {
+    fn palette(&self, centre: ImagePoint, radius: f32, tested: &mut u32) -> Result<Palette, RimRefusal> {
+        let Sought { blob, matcher, .. } = self.sought;
+        Palette::sample(self.frame, matcher, centre, radius, blob.colour, tested).ok_or(RimRefusal::NoColour)
+    }
+
+    /// From rays, knowing no better.
+    fn anew(&self, tested: &mut u32) -> Result<Rim, RimRefusal> {
+        let Sought { blob, memory, diameter, aspect, .. } = *self.sought;
+        let c = self.config;
+        let from = blob.centre;
+        let expected = memory.map_or(diameter * 0.5, |m| m.whole.radius);
+        let palette = self.palette(from, blob.diameter.min(blob.height / aspect) * 0.5, tested)?;
+        let radius_range = if memory.is_some() { c.known_range } else { c.unknown_range };
+        let rays = Rays { frame: self.frame, palette: &palette, aspect, radius: expected, radius_range };
+        let circle = rays.circle(from, tested).ok_or(RimRefusal::TooLittle)?;
+        let (a, b) = memory.map_or((0.0, 0.0), |m| (m.whole.a, m.whole.b));
+        let start = Curve { centre: circle.centre, radius: circle.radius, a, b };
+        let palette = self.palette(start.centre, start.radius, tested)?;
+        self.follow(start, &palette, tested)
+    }
+
+    /// Scans across the rim and fits, until the curve stays where it is.
+    fn follow(&self, start: Curve, palette: &Palette, tested: &mut u32) -> Result<Rim, RimRefusal> {
+        let c = self.config;
+        let aspect = self.sought.aspect;
+        let prior = self.prior(&start);
+        let mut curve = start;
+        let mut found: Option<(Fit, u32)> = None;
+        for _ in 0..c.passes {
+            let reach = self.reach(&curve);
+            let scanner = Scanner { frame: self.frame, palette, aspect, reach };
+            let edges = scanner.scan(&curve, tested);
+            let fitted = fit(&curve, &edges, aspect, &prior).ok_or(RimRefusal::TooLittle)?;
+            let moved =
+                fitted.curve.centre.distance(curve.centre) + libm::fabsf(fitted.curve.radius - curve.radius);
+            curve = fitted.curve;
+            found = Some((fitted, edges.tried));
+            if !self.is_near(&curve, &prior) {
+                return Err(RimRefusal::Elsewhere);
+            }
+            if moved <= c.settled_pixels {
+                break;
+            }
+        }
+        let (fitted, tried) = found.ok_or(RimRefusal::TooLittle)?;
+        self.judge(&fitted, tried)
+    }
+
+    fn prior(&self, start: &Curve) -> Prior {
+        let c = self.config;
+        match self.sought.memory {
+            Some(memory) => Prior {
+                radius: memory.whole.radius,
+                radius_sigma: c.radius_share * memory.whole.radius + c.radius_pixels,
+                a: memory.whole.a,
+                b: memory.whole.b,
+                harmonic_sigma: c.harmonic_share * memory.whole.radius,
+            },
+            None => Prior {
+                radius: start.radius,
+                radius_sigma: c.unknown_share * start.radius,
+                a: 0.0,
+                b: 0.0,
+                harmonic_sigma: c.harmonic_share * start.radius,
+            },
+        }
+    }
+
+    fn reach(&self, curve: &Curve) -> Reach {
+        let c = self.config;
+        let small = round_to_i32(curve.radius * 0.5).max(2);
+        Reach { inside: small.min(c.inside_pixels), outside: (small + 1).min(c.outside_pixels) }
+    }
+
+    /// Whether a curve can be this ball's rim: near the blob, and of about its size.
+    fn is_near(&self, curve: &Curve, prior: &Prior) -> bool {
+        let blob = self.sought.blob;
+        let range = self.config.unknown_range;
+        let size = prior.radius.max(1.0);
+        (size / range..=size * range).contains(&curve.radius)
+            && curve.centre.distance(blob.centre) <= 1.2 * size + 2.0
+    }
+
+    fn judge(&self, fitted: &Fit, tried: u32) -> Result<Rim, RimRefusal> {
+        let c = self.config;
+        let visible = fitted.inliers as f32 / tried.max(1) as f32;
+        let Curve { centre, radius, a, b } = fitted.curve;
+        if fitted.inliers < c.least_edges || visible < c.least_visible {
+            return Err(RimRefusal::TooLittle);
+        }
+        let aspect = self.sought.aspect;
+        let shape = Shape { radius, a, b };
+        let [uu, uv, vv] = fitted.covariance;
+        let floor = c.floor_pixels * c.floor_pixels;
+        Ok(Rim {
+            centre,
+            diameter: shape.width(),
+            covariance: ImageCovariance { uu: uu + floor, uv: uv * aspect, vv: vv * aspect * aspect + floor },
+            visible: visible.min(1.0),
+            shape,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

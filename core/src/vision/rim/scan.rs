@@ -1,0 +1,190 @@
+//! Where rows and columns cross the rim.
+//!
+//! A part of the rim whose normal is nearer to the horizontal is crossed by rows, the rest by
+//! columns, so that a scan meets the rim at 45 degrees at the most and pixels are read as they are.
+
+use super::fit::Curve;
+use super::unmix::{Palette, plus, scaled};
+use crate::geometry::round_to_i32;
+use crate::vision::frame::{FrameView, Rgb};
+
+/// The most scans of one ball: sixteen across each quarter of the rim. A larger ball has every
+/// second or third row.
+pub const MAX_SCANS: usize = 64;
+
+/// The most pixels of one scan.
+pub const MAX_SCAN_PIXELS: usize = 20;
+
+/// Share of the radius up to which rows (columns) cross at 45 degrees or less, and a little more, so
+/// that no direction is left out.
+const QUARTER: f32 = 0.72;
+
+/// The inside of a scan must be so near to the ball's hue: the sine squared of 14 degrees.
+const MAX_HUE: f32 = 0.06;
+
+/// The least brightness of the inside against the ball's middle.
+const LEAST_BRIGHTNESS: f32 = 0.15;
+
+/// The most variance of an unmixed pixel per grey level of noise: a contrast of 14 levels.
+const MAX_VARIANCE: f32 = 0.005;
+
+/// Variance of an edge that is not noise, over that of an unmixed pixel: (0.05 px)^2 over the
+/// (2 grey levels)^2 of 6 pixels.
+const EVEN_VARIANCE: f32 = 0.0001;
+
+/// One crossing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    /// From the curve's centre, pixels to the right.
+    pub(super) x: f32,
+    /// From the curve's centre, pixels down, divided by the aspect.
+    pub(super) y: f32,
+    /// What it counts, by its contrast: 0 to 1.
+    pub(super) weight: f32,
+}
+
+/// The crossings of one ball.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Edges {
+    pub(super) edges: heapless::Vec<Edge, MAX_SCANS>,
+    /// Scans made, with or without a crossing.
+    pub(super) tried: u32,
+}
+
+/// How far a scan reaches to either side of where the rim is expected, pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    pub(super) inside: i32,
+    pub(super) outside: i32,
+}
+
+/// Which way a scan runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Axis {
+    Row,
+    Column,
+}
+
+/// What all scans of one ball share.
+pub(super) struct Scanner<'a> {
+    pub(super) frame: &'a FrameView<'a>,
+    pub(super) palette: &'a Palette,
+    pub(super) aspect: f32,
+    pub(super) reach: Reach,
+}
+
+impl Scanner<'_> {
+    /// Crosses the rim wherever `curve` says that it is.
+    pub(super) fn scan(&self, curve: &Curve, tested: &mut u32) -> Edges {
+        let mut found = Edges::default();
+        self.quarter(Axis::Row, curve, &mut found, tested);
+        self.quarter(Axis::Column, curve, &mut found, tested);
+        found
+    }
+
+    /// The two opposite quarters of the rim that one axis crosses.
+    fn quarter(&self, axis: Axis, curve: &Curve, found: &mut Edges, tested: &mut u32) {
+        let radius = curve.radius;
+        // lines are counted across the axis, positions along it
+        let (line_centre, line_scale, along_centre, along_scale) = match axis {
+            Axis::Row => (curve.centre.v, self.aspect, curve.centre.u, 1.0),
+            Axis::Column => (curve.centre.u, 1.0, curve.centre.v, self.aspect),
+        };
+        let half_lines = QUARTER * radius * line_scale;
+        let first = -round_to_i32(half_lines - line_centre - 0.5);
+        let last = round_to_i32(line_centre + half_lines - 0.5);
+        let per_side = (MAX_SCANS / 4) as i32;
+        let stride = (last.saturating_sub(first) / per_side).saturating_add(1).max(1);
+        let radius2 = radius * radius;
+        let per_radius3 = 1.0 / (radius2 * radius);
+        let per_line2 = 1.0 / (24.0 * line_scale * line_scale);
+        let per_line = 1.0 / line_scale;
+        let mut line = first;
+        while line <= last {
+            let across = (line as f32 - line_centre) * per_line;
+            let half2 = (radius2 - across * across).max(1e-3);
+            let half = libm::sqrtf(half2);
+            // an edge averaged over a line's thickness lies x'' / 24 inside that of its middle
+            let bulge = per_line2 * radius2 / (half2 * half);
+            for outward in [-1, 1] {
+                found.tried += 1;
+                let along = half * outward as f32;
+                let (x, y) = if axis == Axis::Row { (along, across) } else { (across, along) };
+                let bent = curve.a * (x * x - y * y) + 2.0 * curve.b * x * y;
+                let expected = along_centre + along * (1.0 + bent * per_radius3) * along_scale;
+                let Some((edge, weight)) =
+                    self.cross(axis, line, expected, outward, half * along_scale, tested)
+                else {
+                    continue;
+                };
+                let at = (edge - along_centre) / along_scale + bulge * outward as f32;
+                let (x, y) = if axis == Axis::Row { (at, across) } else { (across, at) };
+                // there are as many places as scans
+                let _ = found.edges.push(Edge { x, y, weight });
+            }
+            line += stride;
+        }
+    }
+
+    /// One scan along `line`: where the rim is, and what that counts.
+    fn cross(
+        &self,
+        axis: Axis,
+        line: i32,
+        expected: f32,
+        outward: i32,
+        half_chord: f32,
+        tested: &mut u32,
+    ) -> Option<(f32, f32)> {
+        let middle = round_to_i32(expected);
+        let inside = self.reach.inside.min(round_to_i32(half_chord)).max(1);
+        let start = middle - outward * inside;
+        let count = (inside + self.reach.outside + 1).min(MAX_SCAN_PIXELS as i32);
+        let end = start + outward * (count - 1);
+        let place = |at: i32| if axis == Axis::Row { (at, line) } else { (line, at) };
+        let ((x0, y0), (x1, y1)) = (place(start), place(end));
+        if !self.frame.contains(x0, y0) || !self.frame.contains(x1, y1) {
+            return None;
+        }
+        let inner_count = if inside >= 3 { 2 } else { 1 };
+        let mut at = start;
+        let mut sum_of = |count: i32| {
+            let mut sum = [0u32; 3];
+            for _ in 0..count {
+                let (x, y) = place(at);
+                let Rgb { r, g, b } = self.frame.pixel_inside(x as usize, y as usize)?;
+                let [red, green, blue] = &mut sum;
+                *red += u32::from(r);
+                *green += u32::from(g);
+                *blue += u32::from(b);
+                at += outward;
+            }
+            Some(sum.map(|x| x as f32))
+        };
+        let inner = sum_of(inner_count)?;
+        let between = sum_of(count - inner_count - OUTER_COUNT)?;
+        let outer = sum_of(OUTER_COUNT)?;
+        *tested += count as u32;
+        let brightness = self.palette.brightness(&inner, MAX_HUE)? / inner_count as f32;
+        if brightness < LEAST_BRIGHTNESS {
+            return None;
+        }
+        let behind = scaled(&outer, 1.0 / OUTER_COUNT as f32);
+        let unmixer = self.palette.unmixer(brightness, &behind)?;
+        let variance = unmixer.variance();
+        if variance > MAX_VARIANCE {
+            return None;
+        }
+        let all = plus(&plus(&inner, &between), &outer);
+        let background = unmixer.shares(&all, count as f32);
+        let ball = count as f32 - background;
+        if !(0.5..=count as f32 - 0.5).contains(&ball) {
+            return None;
+        }
+        let edge = start as f32 + outward as f32 * (ball - 0.5);
+        Some((edge, EVEN_VARIANCE / (EVEN_VARIANCE + variance)))
+    }
+}
+
+/// The outermost pixels of a scan: the background.
+const OUTER_COUNT: i32 = 2;
