@@ -13,7 +13,7 @@ pub use centre::{CentreConfig, CentreMode};
 pub use filter::{
     FilterConfig, FilterConfigError, MAX_COAST_US, MAX_LEAD_US, OneEuroConfig, Prediction, Smoothing,
 };
-pub use hand::{HandConfig, MAX_ARM_M, MIN_ARM_M};
+pub use hand::{HandConfig, MAX_ARM_M, MIN_ARM_M, PoseConfig};
 pub use learn::{LearnConfig, ProposeConfig};
 
 use core::fmt;

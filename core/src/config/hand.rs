@@ -29,10 +29,81 @@ pub struct HandConfig {
     ///
     /// Five is a sixth of a second at 30 frames/s, about what a hand takes to turn round.
     pub max_predicted_frames: u32,
+    /// The refined pose ([`crate::hand::pose`]).
+    pub pose: PoseConfig,
 }
 
 impl Default for HandConfig {
     fn default() -> Self {
-        Self { min_conditioning: 0.03, min_arm_px: 2.0, min_arm_sine: 0.5, max_predicted_frames: 5 }
+        Self {
+            min_conditioning: 0.03,
+            min_arm_px: 2.0,
+            min_arm_sine: 0.5,
+            max_predicted_frames: 5,
+            pose: PoseConfig::default(),
+        }
+    }
+}
+
+/// Thresholds of the refined pose ([`crate::hand::pose`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PoseConfig {
+    /// How well a nominal focal length is known: the standard deviation of its logarithm.
+    ///
+    /// 0.15 takes in a lens that is 10 % off, or 30 % at two standard deviations.
+    pub focal_sigma: f32,
+    /// A centre is never taken for better than this, px.
+    pub centre_floor_px: f32,
+    /// What a centre without a covariance is taken for, px: the paper's own figure (section 5).
+    pub centre_default_px: f32,
+    /// Beyond so many standard deviations a centre counts linearly instead of squared.
+    pub huber_sigmas: f32,
+    /// Beyond so many standard deviations, and [`PoseConfig::wrong_px`], a ball is not what it is
+    /// taken for, or its camera is not where it was.
+    pub wrong_sigmas: f32,
+    /// See [`PoseConfig::wrong_sigmas`], px: lens distortion, and cameras that are not exposed at one
+    /// time, must stay under it.
+    pub wrong_px: f32,
+    /// How far the hand may be from its prediction, metres. Weak beside any measurement; it only
+    /// decides what nothing was measured of.
+    pub prior_m: f32,
+    /// The same, radians.
+    pub prior_rad: f32,
+    /// The hand has moved, and there is something to learn of the cameras, when a ball is so many arm
+    /// lengths from where it was in the last frame that was learnt from.
+    pub key_arms: f32,
+    /// How many such frames are remembered.
+    pub key_frames: f32,
+    /// For how long after the last measured frame the hand is carried on, microseconds: a sixth of a
+    /// second, about what a hand takes to turn round.
+    pub predict_us: u64,
+    /// For how long after that the pose is held, microseconds.
+    pub hold_us: u64,
+    /// How many frames are waited for a second camera before one alone is latched.
+    pub latch_wait_frames: u32,
+    /// How many frames a camera may contradict the others before it is taken for moved and latched
+    /// anew.
+    pub relatch_frames: u32,
+}
+
+impl Default for PoseConfig {
+    fn default() -> Self {
+        Self {
+            focal_sigma: 0.15,
+            centre_floor_px: 0.01,
+            centre_default_px: 0.1,
+            huber_sigmas: 3.0,
+            wrong_sigmas: 6.0,
+            wrong_px: 3.0,
+            prior_m: 0.03,
+            prior_rad: 0.26,
+            key_arms: 0.25,
+            key_frames: 64.0,
+            predict_us: 170_000,
+            hold_us: 500_000,
+            latch_wait_frames: 15,
+            relatch_frames: 30,
+        }
     }
 }

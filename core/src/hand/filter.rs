@@ -17,10 +17,9 @@ mod kinematics;
 
 mod one_euro;
 
-mod so3;
-
 use crate::config::{FilterConfig, FilterConfigError, Smoothing};
 use crate::geometry::Pose;
+use crate::hand::so3;
 use kinematics::{Kinematics, seconds};
 use nalgebra::Matrix3;
 

@@ -7,6 +7,9 @@
 //! | affine | [`affine`] | reference views, a point in each -> its coordinates (eq. 5 to 8) | [`affine::AffineRefusal`] |
 //! | orientation | [`orientation`] | three arms -> a proper rotation (eq. 4, Gram-Schmidt) | [`orientation::OrientationRefusal`] |
 //! | motion | [`motion`] | observations -> alpha, Phi and the pose since engage | [`motion::MotionRefusal`] |
+//! | report | [`report`] | what is known of the hand after a frame | |
+//! | perspective | [`perspective`] | a pinhole view of the known frame; its pose (POSIT) | |
+//! | pose | [`pose`] | views -> the refined pose since engage | [`motion::MotionRefusal`] |
 //! | tracker | [`tracker`] | views -> pose, covariance, state; both modes | [`motion::MotionRefusal`] |
 //! | filter | [`filter`] | measured poses -> smoothed, and where the hand will be | [`filter::FilterRefusal`] |
 //!
@@ -17,11 +20,19 @@ pub mod view;
 
 pub mod state;
 
+pub(crate) mod so3;
+
 pub mod affine;
 
 pub mod orientation;
 
 pub mod motion;
+
+pub mod report;
+
+pub mod perspective;
+
+pub mod pose;
 
 pub mod tracker;
 

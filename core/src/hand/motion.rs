@@ -55,6 +55,8 @@ pub enum MotionRefusal {
     },
     /// Two views or more are complete, but fewer than two of them were so in the reference frame.
     NoSharedViews,
+    /// No place of the hand goes with what the views show.
+    Inconsistent,
     /// The places of the balls could not be solved.
     Affine(AffineRefusal),
     /// The places of the balls make no feature frame.
@@ -70,6 +72,7 @@ impl core::fmt::Display for MotionRefusal {
             Self::NoSharedViews => {
                 f.write_str("fewer than two views are complete both now and in the reference frame")
             }
+            Self::Inconsistent => f.write_str("no place of the hand goes with what the views show"),
             Self::Affine(reason) => reason.fmt(f),
             Self::Orientation(reason) => reason.fmt(f),
         }

@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 /// The rotation by `|vector|` radians about `vector`.
-pub(super) fn exp(vector: &Vector3<f32>) -> Matrix3<f32> {
+pub(crate) fn exp(vector: &Vector3<f32>) -> Matrix3<f32> {
     let angle = libm::sqrtf(vector.dot(vector));
     // sin(x)/x and (1 - cos(x))/x^2 = (sin(x/2)/(x/2))^2 / 2, which does not cancel
     let half = sinc(angle * 0.5);
@@ -14,7 +14,7 @@ pub(super) fn exp(vector: &Vector3<f32>) -> Matrix3<f32> {
 }
 
 /// The rotation's vector: its axis times its angle, 0 to pi radians.
-pub(super) fn log(rotation: &Matrix3<f32>) -> Vector3<f32> {
+pub(crate) fn log(rotation: &Matrix3<f32>) -> Vector3<f32> {
     let (w, v) = quaternion(rotation);
     let (w, v) = if w < 0.0 { (-w, -v) } else { (w, v) };
     let sine = libm::sqrtf(v.dot(&v));

@@ -1,0 +1,201 @@
+//! How the hand has been moving, and what that tells of where it is when it is not seen.
+//!
+//! Constant velocity: the red ball's place and the hand's orientation are carried on. How wrong that
+//! will be is told by how wrong it was: the excess of each prediction's error over the centres' noise
+//! gives the hand's acceleration, and that grows with the time as `a (t^2 / 2 + lag t)`, where the lag
+//! is that of the smoothed velocity. Once the hand is held where it was last predicted, its usual
+//! speed tells how far it may have gone since.
+
+use super::solve::difference;
+use crate::config::PoseConfig;
+use crate::geometry::Pose;
+use crate::hand::orientation::nearest_rotation_step;
+use crate::hand::so3;
+use nalgebra::{Matrix3, Matrix6, Vector2, Vector3, Vector6};
+
+/// The share of the newest difference in the velocity.
+const NEWEST: f32 = 0.6;
+
+/// The variance of a one-step prediction in variances of a measured pose: that of
+/// `x(t+1) - x(t) - v(t)` for the smoothed velocity v, which is 2 + 2 b + 2 b^2 / (2 - b), b = NEWEST.
+const NOISE_OF_SURPRISE: f32 = 2.0 + 2.0 * NEWEST + 2.0 * NEWEST * NEWEST / (2.0 - NEWEST);
+
+/// By how much the smoothed velocity is late, in frames: half a frame for the difference itself.
+const LAG_FRAMES: f32 = 1.0 / NEWEST - 0.5;
+
+/// Frames over which accelerations and speeds are averaged.
+const MEMORY: f32 = 60.0;
+
+/// A hand's acceleration before it was seen to move, m/s^2 and rad/s^2.
+const FIRST_ACCELERATION: Vector2<f32> = Vector2::new(1.0, 2.0);
+
+/// Its speed, m/s and rad/s.
+const FIRST_SPEED: Vector2<f32> = Vector2::new(0.1, 0.3);
+
+/// The weight of both in frames.
+const FIRST_WEIGHT: f32 = 3.0;
+
+/// A mean square, for translation and turn, that forgets, of values that are known differently well.
+#[derive(Clone, Copy, Debug)]
+struct MeanSquare {
+    sum: Vector2<f32>,
+    weight: Vector2<f32>,
+}
+
+impl MeanSquare {
+    fn new(first: Vector2<f32>, weight: Vector2<f32>) -> Self {
+        Self { sum: first.component_mul(&first).component_mul(&weight), weight }
+    }
+
+    /// A value whose square may come out negative: noise was taken off.
+    fn add(&mut self, square: Vector2<f32>, weight: Vector2<f32>) {
+        let kept = 1.0 - 1.0 / MEMORY;
+        self.sum = self.sum * kept + square.component_mul(&weight);
+        self.weight = self.weight * kept + weight;
+    }
+
+    fn get(&self) -> Vector2<f32> {
+        self.sum.zip_map(&self.weight, |sum, weight| if weight > 0.0 { (sum / weight).max(0.0) } else { 0.0 })
+    }
+}
+
+/// No pose is better than a micrometre or a microradian; it keeps the weights in f32's range.
+const LEAST_VARIANCE: f32 = 1e-12;
+
+/// The hand's last measured pose and its movement.
+#[derive(Clone, Debug)]
+pub struct Course {
+    pose: Pose,
+    /// Of the last measured pose.
+    covariance: Matrix6<f32>,
+    /// Of its noise alone.
+    noise: Matrix6<f32>,
+    t_us: u64,
+    /// m/s and rad/s, world axes.
+    velocity: Vector6<f32>,
+    /// Along an axis, m/s^2 and rad/s^2.
+    acceleration: MeanSquare,
+    /// Along an axis, m/s and rad/s.
+    speed: MeanSquare,
+    /// Seconds between the last two measured frames.
+    interval_s: f32,
+}
+
+impl Course {
+    /// A hand at rest.
+    #[must_use]
+    pub fn new(pose: Pose, covariance: Matrix6<f32>, t_us: u64) -> Self {
+        let weight = reliability(&covariance) * FIRST_WEIGHT;
+        Self {
+            pose,
+            covariance,
+            noise: covariance,
+            t_us,
+            velocity: Vector6::zeros(),
+            acceleration: MeanSquare::new(FIRST_ACCELERATION, weight),
+            speed: MeanSquare::new(FIRST_SPEED, weight),
+            interval_s: 0.0,
+        }
+    }
+
+    /// The last measured pose.
+    #[must_use]
+    pub const fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    /// Microseconds since the last measured pose.
+    #[must_use]
+    pub const fn age_us(&self, t_us: u64) -> u64 {
+        t_us.saturating_sub(self.t_us)
+    }
+
+    /// Takes a measured pose with its covariance and the part of it that is new in every frame.
+    pub fn follow(&mut self, pose: &Pose, covariance: &Matrix6<f32>, noise: &Matrix6<f32>, t_us: u64) {
+        let s = self.age_us(t_us) as f32 * 1e-6;
+        if s > 0.0 {
+            let measured = difference(pose, &self.pose) / s;
+            let surprise = (measured - self.velocity) * s;
+            // after a gap, and before there is a velocity, a surprise says little
+            let regular = self.interval_s > 0.0 && s < 1.5 * self.interval_s;
+            if regular {
+                let lateness = s * s * (0.5 + LAG_FRAMES);
+                let excess = mean_squares(&surprise) - variances(noise) * NOISE_OF_SURPRISE;
+                let weight = reliability(noise);
+                self.acceleration.add(excess / (lateness * lateness), weight);
+                self.speed.add(mean_squares(&measured) - variances(noise) * (2.0 / (s * s)), weight);
+            }
+            let newest = if regular { NEWEST } else { 1.0 };
+            self.velocity += (measured - self.velocity) * newest;
+            self.interval_s = s;
+        }
+        (self.pose, self.covariance, self.noise, self.t_us) = (*pose, *covariance, *noise, t_us);
+    }
+
+    /// Where the hand is expected at `t_us`.
+    #[must_use]
+    pub fn pose_at(&self, t_us: u64, config: &PoseConfig) -> Pose {
+        let s = self.age_us(t_us).min(config.predict_us) as f32 * 1e-6;
+        let [x, y, z, wx, wy, wz] = (self.velocity * s).into();
+        Pose {
+            rotation: nearest_rotation_step(&(so3::exp(&Vector3::new(wx, wy, wz)) * self.pose.rotation)),
+            translation: self.pose.translation + Vector3::new(x, y, z),
+        }
+    }
+
+    /// How well [`Self::pose_at`] is known.
+    #[must_use]
+    pub fn covariance_at(&self, t_us: u64, config: &PoseConfig) -> Matrix6<f32> {
+        let age_us = self.age_us(t_us);
+        let s = age_us.min(config.predict_us) as f32 * 1e-6;
+        let held_s = age_us.saturating_sub(config.predict_us) as f32 * 1e-6;
+        let frames = if self.interval_s > 0.0 { s / self.interval_s } else { 0.0 };
+        // the noise of x + k v: 1 + 2 b k + k^2 2 b^2 / (2 - b), of which the 1 is in the pose's own
+        let of_velocity = 2.0 * NEWEST * frames + frames * frames * 2.0 * NEWEST * NEWEST / (2.0 - NEWEST);
+        let travel = s * s / 2.0 + LAG_FRAMES * self.interval_s * s;
+        let grown = self.acceleration.get() * (travel * travel) + self.speed.get() * (held_s * held_s);
+        let diagonal = Vector6::new(grown.x, grown.x, grown.x, grown.y, grown.y, grown.y);
+        self.covariance + self.noise * of_velocity + Matrix6::from_diagonal(&diagonal)
+    }
+
+    /// Tells of the same movement in a new world, which stands so in the old one.
+    pub fn change_world(&mut self, old_from_new: &Pose) {
+        self.pose = old_from_new.inverse().compose(&self.pose);
+        self.velocity = turned(&old_from_new.rotation.transpose(), &self.velocity);
+        self.covariance = turned_covariance(&old_from_new.rotation.transpose(), &self.covariance);
+        self.noise = turned_covariance(&old_from_new.rotation.transpose(), &self.noise);
+    }
+}
+
+/// The mean square along an axis of translation and of turn.
+fn mean_squares(v: &Vector6<f32>) -> Vector2<f32> {
+    let [x, y, z, wx, wy, wz] = (*v).into();
+    Vector2::new(x * x + y * y + z * z, wx * wx + wy * wy + wz * wz) / 3.0
+}
+
+/// The mean variance along an axis of translation and of turn.
+fn variances(c: &Matrix6<f32>) -> Vector2<f32> {
+    Vector2::new(c.m11 + c.m22 + c.m33, c.m44 + c.m55 + c.m66) / 3.0
+}
+
+/// The weight of what is told from a measured pose: one camera's depth is ten times noisier than
+/// two cameras', and says a hundredth of what they say about squares of a size with its own.
+fn reliability(noise: &Matrix6<f32>) -> Vector2<f32> {
+    variances(noise).map(|variance| 1.0 / (variance * variance).max(LEAST_VARIANCE * LEAST_VARIANCE))
+}
+
+/// A translation and a turn in other axes.
+fn turned(by: &Matrix3<f32>, v: &Vector6<f32>) -> Vector6<f32> {
+    let [x, y, z, wx, wy, wz] = (*v).into();
+    let (t, w) = (by * Vector3::new(x, y, z), by * Vector3::new(wx, wy, wz));
+    Vector6::new(t.x, t.y, t.z, w.x, w.y, w.z)
+}
+
+/// Their covariance in other axes.
+#[must_use]
+pub fn turned_covariance(by: &Matrix3<f32>, covariance: &Matrix6<f32>) -> Matrix6<f32> {
+    let mut whole = Matrix6::zeros();
+    whole.fixed_view_mut::<3, 3>(0, 0).copy_from(by);
+    whole.fixed_view_mut::<3, 3>(3, 3).copy_from(by);
+    whole * covariance * whole.transpose()
+}
