@@ -22,10 +22,26 @@ pub struct CentreConfig {
     /// A fit that moves the centre and the radius no more than this is not repeated, pixels: a scan
     /// has so much to spare on either side.
     pub settled_pixels: f32,
+    /// A curve that is thought to be nearer than this to the rim is scanned with the least reach,
+    /// pixels.
+    pub near_pixels: f32,
     /// How far inside the expected rim a scan starts, pixels; half the radius of small balls.
     pub inside_pixels: i32,
-    /// How far outside it ends: two pixels of pure background beyond the blur of the rim.
+    /// How far outside it ends, pixels: two of background beyond the blur of the rim, and no more,
+    /// since what is behind a ball is not one colour.
     pub outside_pixels: i32,
+    /// By how much of the movement since the last frame scans reach farther in and out: half of what
+    /// is blurred where the shutter is open a quarter of the time.
+    pub blur_share: f32,
+    /// The most by which they do, pixels.
+    pub most_blur: f32,
+    /// From this roundness on a blob may be a ball in even light.
+    pub round: f32,
+    /// From this share of the rim on there is nothing to ask about it ...
+    pub clear_visible: f32,
+    /// ... and below it, where it is more than this under the share of the area that was matched,
+    /// another start is tried.
+    pub share_slack: f32,
     /// A blob whose width and height are within so many pixels ...
     pub warm_pixels: f32,
     /// ... and this share of the last one's starts from where the last rim was.
@@ -66,9 +82,15 @@ impl Default for CentreConfig {
         Self {
             mode: CentreMode::Refined,
             passes: 3,
-            settled_pixels: 0.7,
-            inside_pixels: 3,
-            outside_pixels: 4,
+            settled_pixels: 0.5,
+            near_pixels: 1.0,
+            inside_pixels: 2,
+            outside_pixels: 3,
+            blur_share: 0.12,
+            most_blur: 2.0,
+            round: 0.8,
+            clear_visible: 0.85,
+            share_slack: 0.15,
             warm_pixels: 1.5,
             warm_share: 0.1,
             known_range: 1.15,

@@ -131,6 +131,12 @@ impl BallTrack {
         })
     }
 
+    /// How far it is from where it was in the last frame, pixels; 0 where that is not known.
+    pub(super) fn moved(&self, t_us: u64, to: ImagePoint) -> f32 {
+        let recent = self.last.filter(|last| t_us.saturating_sub(last.t_us) <= MAX_SPEED_BASE_US);
+        recent.map_or(0.0, |last| last.centre.distance(to))
+    }
+
     /// As it was last seen whole, pixels: of the rim where one was found.
     pub(super) fn diameter(&self) -> f32 {
         self.rim.map_or(self.clean.diameter, |rim| rim.diameter())

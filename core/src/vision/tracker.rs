@@ -156,7 +156,7 @@ impl CameraTracker {
         self.judge_whole(&mut finds);
         self.drop_lone_part(&mut finds);
         self.place_hidden(frame, &mut finds, &mut report.tested);
-        self.refine(frame, &mut finds, &mut report.tested);
+        self.refine(frame, t_us, &mut finds, &mut report.tested);
         self.validate(&finds, &predicted, &mut report);
         self.follow_colours(frame, &finds, &mut report);
         self.remember(t_us, &finds, &predicted, &mut report);
@@ -283,7 +283,7 @@ impl CameraTracker {
     }
 
     /// Where a ball's rim is found, its centre takes the place of the row edges' (and of eq. 3).
-    fn refine(&mut self, frame: &FrameView<'_>, finds: &mut Finds, tested: &mut u32) {
+    fn refine(&mut self, frame: &FrameView<'_>, t_us: u64, finds: &mut Finds, tested: &mut u32) {
         let c = &self.config.centre;
         if c.mode == CentreMode::RowEdge {
             return;
@@ -296,6 +296,7 @@ impl CameraTracker {
                 memory: track.rim.as_ref(),
                 diameter: track.clean.diameter,
                 aspect: track.appearance.learnt().aspect,
+                speed: track.moved(t_us, find.blob.centre),
             };
             if let Ok(rim) = find_rim(frame, &sought, c, tested) {
                 find.centre = rim.centre;

@@ -11,6 +11,9 @@ const UNKNOWNS: usize = 5;
 /// first is about how far the first curve may be off.
 const SCALES: [f32; 4] = [2.0, 1.0, 0.5, 0.3];
 
+/// The same where the first curve is known to be near.
+const NEAR_SCALES: [f32; 3] = [1.0, 0.5, 0.3];
+
 /// What an edge is off without being wrong, pixels: weighs edges against the prior.
 const EDGE_SIGMA: f32 = 0.1;
 
@@ -54,7 +57,8 @@ type Normal = SMatrix<f32, UNKNOWNS, UNKNOWNS>;
 type Unknowns = SVector<f32, UNKNOWNS>;
 
 /// Fits a curve to edges given from the centre of `start`. `None` where they do not determine one.
-pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior) -> Option<Fit> {
+pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior, is_near: bool) -> Option<Fit> {
+    let scales: &[f32] = if is_near { &NEAR_SCALES } else { &SCALES };
     let mut rows: heapless::Vec<Row, MAX_SCANS> = heapless::Vec::new();
     for Edge { x, y, weight } in &edges.edges {
         let rho2 = (x * x + y * y).max(1e-3);
@@ -66,7 +70,7 @@ pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior) -> O
     // from the centre of `start`
     let mut unknowns = [start.radius, 0.0, 0.0, start.a, start.b];
     let mut last = None;
-    for scale in SCALES {
+    for scale in scales {
         let per_scale2 = 1.0 / (scale * scale);
         let (mut normal, mut right) = equations_of(prior);
         let (mut weights, mut squares, mut inliers) = (0.0f32, 0.0f32, 0u32);

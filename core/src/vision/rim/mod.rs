@@ -26,12 +26,16 @@ use super::frame::FrameView;
 use crate::config::CentreConfig;
 use crate::geometry::{ImagePoint, round_to_i32};
 use crate::observation::ImageCovariance;
+use core::f32::consts::PI;
 use core::fmt;
 use fit::{Curve, Fit, Prior, fit};
 use rays::Rays;
 pub use scan::{MAX_SCAN_PIXELS, MAX_SCANS};
 use scan::{Reach, Scanner};
 use unmix::Palette;
+
+/// How much less of a rim is needed each frame to replace the remembered one.
+const FADING: f32 = 0.01;
 
 /// What a rim says of its ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,8 +93,9 @@ impl Shape {
 /// What is remembered of a rim from one frame to the next: the next starts from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RimMemory {
-    /// When most of it was last in sight.
+    /// When most of it was last in sight, and how much of it was.
     whole: Shape,
+    seen: f32,
     /// From the row-edge centre to the rim's, and the blob that had it.
     offset: ImagePoint,
     diameter: f32,
@@ -101,11 +106,15 @@ impl RimMemory {
     /// What to remember after `rim` was measured of `blob`.
     #[must_use]
     pub fn after(former: Option<&Self>, rim: &Rim, blob: &Blob, config: &CentreConfig) -> Self {
-        let whole = match former {
-            Some(former) if rim.visible < config.whole_visible => former.whole,
-            _ => rim.shape,
+        let (whole, seen) = match former {
+            // a first look that went wrong must not be held against every later one
+            Some(former) if rim.visible < former.seen.min(config.whole_visible) => {
+                (former.whole, former.seen - FADING)
+            }
+            _ => (rim.shape, rim.visible),
         };
-        Self { whole, offset: rim.centre - blob.centre, diameter: blob.diameter, height: blob.height }
+        let offset = rim.centre - blob.centre;
+        Self { whole, seen, offset, diameter: blob.diameter, height: blob.height }
     }
 
     /// The diameter when most of the rim was last in sight, pixels.
@@ -134,6 +143,8 @@ pub struct Sought<'a> {
     pub diameter: f32,
     /// Height / width, as learnt.
     pub aspect: f32,
+    /// How far it is thought to have moved since the last frame, pixels.
+    pub speed: f32,
 }
 
 /// Finds the rim of a ball. `tested` grows by the pixels read.
@@ -147,18 +158,32 @@ pub fn find_rim(
     tested: &mut u32,
 ) -> Result<Rim, RimRefusal> {
     let search = Search { frame, sought, config };
-    if let Some(memory) = sought.memory
-        && memory.resembles(sought.blob, config)
-    {
-        let centre = sought.blob.centre + memory.offset;
-        let Shape { radius, a, b } = memory.whole;
-        let start = Curve { centre, radius, a, b };
-        let palette = search.palette(centre, radius, tested)?;
-        if let Ok(rim) = search.follow(start, &palette, tested) {
-            return Ok(rim);
+    let mut best: Result<Rim, RimRefusal> = Err(RimRefusal::TooLittle);
+    for start in [Start::Memory, Start::Blob, Start::Rays] {
+        let found = search.from(start, tested);
+        if let Ok(rim) = &found
+            && !search.is_suspicious(rim)
+        {
+            return found;
         }
+        best = match (best, found) {
+            (Ok(best), Ok(found)) if best.visible >= found.visible => Ok(best),
+            (Ok(best), Err(_)) => Ok(best),
+            (_, found) => found,
+        };
     }
-    search.anew(tested)
+    best
+}
+
+/// Where the first curve comes from, in the order tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Start {
+    /// The blob looks like the last one: its rim lies where that one's did.
+    Memory,
+    /// The blob is a ball in even light.
+    Blob,
+    /// Nothing of the kind.
+    Rays,
 }
 
 struct Search<'a> {
@@ -168,39 +193,63 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    fn from(&self, start: Start, tested: &mut u32) -> Result<Rim, RimRefusal> {
+        let Sought { blob, memory, diameter, aspect, .. } = *self.sought;
+        let c = self.config;
+        let (a, b) = memory.map_or((0.0, 0.0), |m| (m.whole.a, m.whole.b));
+        let curve = match (start, memory) {
+            (Start::Memory, Some(memory)) if memory.resembles(blob, c) => {
+                Curve { centre: blob.centre + memory.offset, radius: memory.whole.radius, a, b }
+            }
+            (Start::Blob, _) if blob.roundness >= c.round => {
+                let radius = (blob.diameter + blob.height / aspect) * 0.25;
+                Curve { centre: blob.centre, radius, a, b }
+            }
+            (Start::Rays, _) => {
+                let radius = (blob.diameter.min(blob.height / aspect)) * 0.5;
+                let palette = self.palette(blob.centre, radius, tested)?;
+                let radius = memory.map_or(diameter * 0.5, |m| m.whole.radius);
+                let radius_range = if memory.is_some() { c.known_range } else { c.unknown_range };
+                let rays = Rays { frame: self.frame, palette: &palette, aspect, radius, radius_range };
+                let circle = rays.circle(blob.centre, tested).ok_or(RimRefusal::TooLittle)?;
+                Curve { centre: circle.centre, radius: circle.radius, a, b }
+            }
+            _ => return Err(RimRefusal::TooLittle),
+        };
+        let palette = self.palette(curve.centre, curve.radius, tested)?;
+        self.follow(curve, start == Start::Memory, &palette, tested)
+    }
+
     fn palette(&self, centre: ImagePoint, radius: f32, tested: &mut u32) -> Result<Palette, RimRefusal> {
         let Sought { blob, matcher, .. } = self.sought;
         Palette::sample(self.frame, matcher, centre, radius, blob.colour, tested).ok_or(RimRefusal::NoColour)
     }
 
-    /// From rays, knowing no better.
-    fn anew(&self, tested: &mut u32) -> Result<Rim, RimRefusal> {
-        let Sought { blob, memory, diameter, aspect, .. } = *self.sought;
-        let c = self.config;
-        let from = blob.centre;
-        let expected = memory.map_or(diameter * 0.5, |m| m.whole.radius);
-        let palette = self.palette(from, blob.diameter.min(blob.height / aspect) * 0.5, tested)?;
-        let radius_range = if memory.is_some() { c.known_range } else { c.unknown_range };
-        let rays = Rays { frame: self.frame, palette: &palette, aspect, radius: expected, radius_range };
-        let circle = rays.circle(from, tested).ok_or(RimRefusal::TooLittle)?;
-        let (a, b) = memory.map_or((0.0, 0.0), |m| (m.whole.a, m.whole.b));
-        let start = Curve { centre: circle.centre, radius: circle.radius, a, b };
-        let palette = self.palette(start.centre, start.radius, tested)?;
-        self.follow(start, &palette, tested)
+    /// Whether less of the rim was found than there is of the ball.
+    fn is_suspicious(&self, rim: &Rim) -> bool {
+        let Shape { radius, .. } = rim.shape;
+        let share = self.sought.blob.area / (PI * radius * radius * self.sought.aspect).max(1.0);
+        rim.visible < self.config.clear_visible && rim.visible < share - self.config.share_slack
     }
 
     /// Scans across the rim and fits, until the curve stays where it is.
-    fn follow(&self, start: Curve, palette: &Palette, tested: &mut u32) -> Result<Rim, RimRefusal> {
+    fn follow(
+        &self,
+        start: Curve,
+        is_near: bool,
+        palette: &Palette,
+        tested: &mut u32,
+    ) -> Result<Rim, RimRefusal> {
         let c = self.config;
         let aspect = self.sought.aspect;
         let prior = self.prior(&start);
         let mut curve = start;
+        let mut near = is_near;
         let mut found: Option<(Fit, u32)> = None;
         for _ in 0..c.passes {
-            let reach = self.reach(&curve);
-            let scanner = Scanner { frame: self.frame, palette, aspect, reach };
+            let scanner = Scanner { frame: self.frame, palette, aspect, reach: self.reach(&curve, near) };
             let edges = scanner.scan(&curve, tested);
-            let fitted = fit(&curve, &edges, aspect, &prior).ok_or(RimRefusal::TooLittle)?;
+            let fitted = fit(&curve, &edges, aspect, &prior, near).ok_or(RimRefusal::TooLittle)?;
             let moved =
                 fitted.curve.centre.distance(curve.centre) + libm::fabsf(fitted.curve.radius - curve.radius);
             curve = fitted.curve;
@@ -208,9 +257,10 @@ impl Search<'_> {
             if !self.is_near(&curve, &prior) {
                 return Err(RimRefusal::Elsewhere);
             }
-            if moved <= c.settled_pixels {
+            if near && moved <= c.settled_pixels {
                 break;
             }
+            near = moved <= c.near_pixels;
         }
         let (fitted, tried) = found.ok_or(RimRefusal::TooLittle)?;
         self.judge(&fitted, tried)
@@ -236,10 +286,14 @@ impl Search<'_> {
         }
     }
 
-    fn reach(&self, curve: &Curve) -> Reach {
+    /// How far scans reach: farther where the rim is less well known, and across the blur of a motion.
+    fn reach(&self, curve: &Curve, near: bool) -> Reach {
         let c = self.config;
-        let small = round_to_i32(curve.radius * 0.5).max(2);
-        Reach { inside: small.min(c.inside_pixels), outside: (small + 1).min(c.outside_pixels) }
+        let blur = round_to_i32((self.sought.speed * c.blur_share).min(c.most_blur));
+        let more = blur + if near { 0 } else { 1 };
+        // no farther in than half way to the centre
+        let inside = (c.inside_pixels + more).min(round_to_i32(curve.radius * 0.5).max(2));
+        Reach { inside, outside: c.outside_pixels + more }
     }
 
     /// Whether a curve can be this ball's rim: near the blob, and of about its size.
