@@ -3,7 +3,7 @@
 use super::{make_dir, progress, say};
 use crate::evaluate::{Evaluation, Plan};
 use crate::exit::{Exit, Failure, OrExit as _};
-use crate::report::PAGE;
+use crate::report::{PAGE, Report};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -35,9 +35,11 @@ pub(super) struct EvaluateArgs {
 /// Runs `tetrad evaluate`.
 pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
     make_dir(&args.out)?;
+    // the page of an earlier run never stands for one that ended before it had its own
+    Report::remove(&args.out).or_exit(Exit::Failed)?;
     say(format_args!("seed            {}", args.seed));
     let started = Instant::now();
-    let evaluation = Evaluation::new(Plan { seed: args.seed, quick: args.quick });
+    let evaluation = Evaluation::new(Plan::new(args.seed, args.quick));
     let bar = progress::frames(Some(evaluation.frames()));
     let report = evaluation.run(&|| bar.inc(1));
     bar.finish_and_clear();
@@ -45,8 +47,10 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
     report.write(&args.out).or_exit(Exit::Failed)?;
     for row in &report.headlines.rows {
         let fields: Vec<String> = row.iter().map(|cell| cell.text()).collect();
-        if let [what, published, refined, paper] = &fields[..] {
-            say(format_args!("{what}\n    refined {refined}; paper mode {paper}; published {published}"));
+        if let [what, published, refined, promised, paper] = &fields[..] {
+            say(format_args!(
+                "{what}\n    refined     {refined}\n    promised    {promised}\n    paper mode  {paper}\n    published   {published}"
+            ));
         }
     }
     say(format_args!("took            {:.0} s", started.elapsed().as_secs_f64()));

@@ -18,7 +18,7 @@ pub(super) fn run(cases: Vec<Case>, each: &(impl Fn() + Sync)) -> Result<Vec<Tra
     let take = || waiting.lock().unwrap_or_else(PoisonError::into_inner).pop();
     let work = || {
         while let Some((index, case)) = take() {
-            let result = case.trace(each).map(|traces| Traced { traces });
+            let result = case.trace(each).map(|traces| Traced { case, traces });
             if result.is_err() {
                 waiting.lock().unwrap_or_else(PoisonError::into_inner).clear();
             }

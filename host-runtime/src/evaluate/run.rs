@@ -3,6 +3,7 @@
 //! A frame is rendered once and every [`Variant`] tracks it: the modes are compared on the very same
 //! pictures, and rendering, which takes far longer than tracking, is paid once.
 
+use super::sensor::Sensor;
 use crate::learning::{self, Refused};
 use crate::pipeline::{CameraStart, Pipeline, Step};
 use crate::settings::Mode;
@@ -107,18 +108,19 @@ pub enum RunError {
     },
 }
 
-/// Renders the first `frames` frames of a scene and tracks them in every way of `variants`; `each`
-/// gets every frame in order. Balls are taught in the first picture, where they are.
+/// Renders the first `frames` frames of a scene, as `sensor` takes them, and tracks them in every way of
+/// `variants`; `each` gets every frame in order. Balls are taught in the first picture, where they are.
 ///
 /// # Errors
 /// [`RunError`] naming the scene, before the first call of `each`.
 pub fn run(
     scene: &Scene,
     frames: usize,
+    sensor: Sensor,
     variants: &[Variant],
     mut each: impl FnMut(&Seen<'_>),
 ) -> Result<(), RunError> {
-    let mut pictures = Pictures::new(scene, variants);
+    let mut pictures = Pictures::new(scene, sensor, variants);
     pictures.render(0);
     let mut pipelines = Vec::new();
     for variant in variants {
@@ -176,6 +178,7 @@ fn start(scene: &Scene, variant: &Variant, pictures: &Pictures<'_>) -> Result<Pi
 /// The pictures of one frame, in every format asked for.
 struct Pictures<'a> {
     scene: &'a Scene,
+    sensor: Sensor,
     formats: Vec<PixelFormat>,
     cameras: Vec<CameraPictures>,
 }
@@ -188,7 +191,7 @@ struct CameraPictures {
 }
 
 impl<'a> Pictures<'a> {
-    fn new(scene: &'a Scene, variants: &[Variant]) -> Self {
+    fn new(scene: &'a Scene, sensor: Sensor, variants: &[Variant]) -> Self {
         let most = variants.iter().map(|variant| variant.cameras).max().unwrap_or(0).min(scene.cameras());
         let mut formats: Vec<PixelFormat> = Vec::new();
         for variant in variants {
@@ -196,10 +199,10 @@ impl<'a> Pictures<'a> {
                 formats.push(variant.format);
             }
         }
-        Self { scene, formats, cameras: (0..most).map(|_| CameraPictures::default()).collect() }
+        Self { scene, sensor, formats, cameras: (0..most).map(|_| CameraPictures::default()).collect() }
     }
 
-    /// Takes the pictures of a frame; the time of rendering, without conversion.
+    /// Takes the pictures of a frame; the time of rendering alone.
     fn render(&mut self, frame: usize) -> Duration {
         let (width, height) = (self.scene.width, self.scene.height);
         let mut rendering = Duration::ZERO;
@@ -207,6 +210,7 @@ impl<'a> Pictures<'a> {
             let started = std::time::Instant::now();
             self.scene.render_rgb(frame, camera, &mut pictures.rgb);
             rendering += started.elapsed();
+            self.sensor.develop(&mut pictures.rgb, usize::from(width));
             pictures.converted.clear();
             let formats = self.formats.iter();
             pictures

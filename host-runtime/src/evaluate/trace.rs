@@ -1,6 +1,7 @@
 //! What a run leaves behind: every observation and pose beside its truth, small enough to keep.
 
 use super::run::{RunError, Seen, Variant, run};
+use super::sensor::Sensor;
 use crate::comparison::relative;
 use crate::pipeline::{CameraStep, HandStep};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -19,6 +20,8 @@ pub struct Case {
     pub scene: Scene,
     /// How many frames of it.
     pub frames: usize,
+    /// What takes the pictures.
+    pub sensor: Sensor,
     /// How it is tracked.
     pub variants: Vec<Variant>,
 }
@@ -32,7 +35,8 @@ impl Case {
         hash.write(&seed.to_le_bytes());
         hash.write(label.as_bytes());
         scene.seed = hash.finish();
-        Self { label, frames: scene.frames(), scene, variants: variants.to_vec() }
+        let (frames, sensor) = (scene.frames(), Sensor::default());
+        Self { label, frames, scene, sensor, variants: variants.to_vec() }
     }
 
     /// Pictures that have to be rendered.
@@ -48,7 +52,7 @@ impl Case {
     /// As [`run`].
     pub fn trace(&self, mut each: impl FnMut()) -> Result<Vec<Trace>, RunError> {
         let mut traces: Vec<Trace> = self.variants.iter().map(|&variant| Trace::new(variant)).collect();
-        run(&self.scene, self.frames, &self.variants, |seen| {
+        run(&self.scene, self.frames, self.sensor, &self.variants, |seen| {
             for (index, trace) in traces.iter_mut().enumerate() {
                 trace.add(index, seen);
             }

@@ -33,6 +33,8 @@ pub struct Axis {
     pub label: String,
     /// Whether steps are factors; values that are not positive are then left out.
     pub log: bool,
+    /// Whether values grow downwards or to the left, as rows of a picture do.
+    pub down: bool,
     /// The least range shown: an axis of errors includes zero.
     pub include: Option<(f64, f64)>,
 }
@@ -41,7 +43,7 @@ impl Axis {
     /// A linear axis as long as its values need.
     #[must_use]
     pub fn linear(label: &str) -> Self {
-        Self { label: label.to_owned(), log: false, include: None }
+        Self { label: label.to_owned(), log: false, down: false, include: None }
     }
 
     /// A linear axis that shows zero.

@@ -56,6 +56,18 @@ pub struct Section {
 }
 
 impl Report {
+    /// Removes the page of an earlier report, if there is one.
+    ///
+    /// # Errors
+    /// [`OutputError`] naming the file.
+    pub fn remove(dir: &Path) -> Result<(), OutputError> {
+        let path = dir.join(PAGE);
+        match std::fs::remove_file(&path) {
+            Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => Err(OutputError { path, cause }),
+            _ => Ok(()),
+        }
+    }
+
     /// Writes every file of the report into `dir`.
     ///
     /// # Errors

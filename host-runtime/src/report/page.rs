@@ -23,7 +23,7 @@ pub(super) fn html(report: &Report) -> String {
         let _ = writeln!(page, "<p class=\"about\">{}</p>", escape(line));
     }
     page.push_str("<div id=\"headlines\">\n");
-    push_table(&mut page, &report.headlines);
+    push_table(&mut page, &report.headlines, false);
     page.push_str("</div>\n<nav>\n");
     for Section { id, title, .. } in &report.sections {
         let _ = writeln!(page, "<a href=\"#{id}\">{}</a>", escape(title));
@@ -36,7 +36,7 @@ pub(super) fn html(report: &Report) -> String {
             push_figure(&mut page, figure);
         }
         for table in &section.tables {
-            push_table(&mut page, table);
+            push_table(&mut page, table, table.rows.len() > FOLDED);
         }
         page.push_str("</section>\n");
     }
@@ -46,7 +46,8 @@ pub(super) fn html(report: &Report) -> String {
 }
 
 fn push_figure(page: &mut String, figure: &Figure) {
-    page.push_str("<figure>\n<div class=\"plots\">\n");
+    let alone = if figure.panels.len() == 1 { " class=\"alone\"" } else { "" };
+    let _ = writeln!(page, "<figure{alone}>\n<div class=\"plots\">");
     for panel in &figure.panels {
         let json = plot::json(panel);
         let _ = writeln!(page, "<div class=\"plot\"><script type=\"application/json\">{json}</script></div>");
@@ -58,8 +59,7 @@ fn push_figure(page: &mut String, figure: &Figure) {
     );
 }
 
-fn push_table(page: &mut String, table: &Table) {
-    let folded = table.rows.len() > FOLDED;
+fn push_table(page: &mut String, table: &Table, folded: bool) {
     let caption = format!("{} ({}.csv)", table.caption, table.name);
     let caption = escape(&caption);
     if folded {

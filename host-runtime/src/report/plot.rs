@@ -78,8 +78,17 @@ fn axis(axis: &Axis, values: impl Iterator<Item = f64>) -> PlotlyAxis {
         let ticks = (-4..=4).flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(decade)));
         return plotly.type_(AxisType::Log).tick_values(ticks.collect());
     }
-    let Some((low, high)) = axis.include else { return plotly };
+    // without a range of its own an axis is as long as its values
+    let (low, high) = match (axis.include, axis.down) {
+        (Some(include), _) => include,
+        (None, true) => (f64::INFINITY, f64::NEG_INFINITY),
+        (None, false) => return plotly,
+    };
     let (low, high) = values.filter(|v| v.is_finite()).fold((low, high), |(l, h), v| (l.min(v), h.max(v)));
+    if !(low.is_finite() && high.is_finite()) {
+        return plotly;
+    }
     let room = 0.05 * (high - low);
-    plotly.range(vec![if low < 0.0 { low - room } else { low }, high + room])
+    let low = if axis.include.is_some_and(|(least, _)| least == low) { low } else { low - room };
+    plotly.range(if axis.down { vec![high + room, low] } else { vec![low, high + room] })
 }

@@ -206,6 +206,7 @@ struct Scale {
 
 impl Scale {
     fn new(axis: &Axis, values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Self {
+        let (from, to) = if axis.down { (to, from) } else { (from, to) };
         let known = |value: &f64| value.is_finite() && (!axis.log || *value > 0.0);
         let included = axis.include.into_iter().flat_map(|(low, high)| [low, high]);
         let values = values.chain(included).filter(known);

@@ -1,0 +1,277 @@
+//! Errors against one condition at a time: noise, a finger over the rim, the focal length, the angle
+//! between the cameras.
+
+use super::run::{MODES, Variant};
+use super::scenes::{colour, named};
+use super::sensor::Sensor;
+use super::statistics::{Centres, Poses};
+use super::trace::{Case, Trace};
+use super::{Headline, Outcome, Plan, Traced};
+use crate::report::{Axis, Cell, Figure, Look, Panel, Section, Series, Table};
+use crate::settings::Mode;
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+use tetrad_core::observation::Ball;
+use tetrad_fixtures::{Anchor, Camera, Occluder, Scene};
+
+const NOISES: [f64; 6] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0];
+/// Shares of the green ball's rim behind a finger.
+const HIDDEN: [f64; 6] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
+const FOCAL_SHARES: [f64; 5] = [0.8, 0.9, 1.0, 1.1, 1.25];
+const ANGLES_DEG: [f64; 5] = [30.0, 45.0, 60.0, 90.0, 120.0];
+
+/// The finger's tip in diameters of the ball.
+const TIP: f64 = 0.9;
+/// When it has arrived, seconds; it comes from outside in the last third of a second before.
+const ARRIVAL_S: f64 = 0.6;
+
+/// Which condition, and its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Condition {
+    Noise(f64),
+    Hidden(f64),
+    Focal,
+    Angle(f64),
+    Camera(&'static str, Sensor),
+}
+
+/// What takes the pictures.
+const SENSORS: [(&str, Sensor); 5] = [
+    ("as rendered", Sensor { soft: false, mosaic: false, tone: false }),
+    ("soft lens", Sensor { soft: true, mosaic: false, tone: false }),
+    ("Bayer mosaic", Sensor { soft: false, mosaic: true, tone: false }),
+    ("tone curve", Sensor { soft: false, mosaic: false, tone: true }),
+    ("all three", Sensor::REAL),
+];
+
+fn grid() -> Vec<Condition> {
+    let noises = NOISES.map(Condition::Noise).into_iter();
+    let hidden = HIDDEN.map(Condition::Hidden);
+    let sensors = SENSORS.map(|(name, sensor)| Condition::Camera(name, sensor));
+    noises
+        .chain(hidden)
+        .chain([Condition::Focal])
+        .chain(ANGLES_DEG.map(Condition::Angle))
+        .chain(sensors)
+        .collect()
+}
+
+pub(super) fn cases(plan: Plan) -> Vec<Case> {
+    let both = MODES.map(Variant::of);
+    let case = |condition| {
+        let (mut scene, variants) = match condition {
+            Condition::Noise(noise_sigma) => {
+                let mut scene = named("circular-0.25-30fps");
+                scene.noise_sigma = noise_sigma;
+                (scene, both.to_vec())
+            }
+            Condition::Hidden(share) => (under_a_finger(share), both.to_vec()),
+            Condition::Focal => {
+                let refined =
+                    FOCAL_SHARES.map(|focal_share| Variant { focal_share, ..Variant::of(Mode::Refined) });
+                (named("circular-0.25-30fps"), [&[Variant::of(Mode::Paper)][..], &refined].concat())
+            }
+            Condition::Angle(degrees) => (seen_from(degrees), both.to_vec()),
+            Condition::Camera(..) => (named("circular-0.25-30fps"), both.to_vec()),
+        };
+        scene.frames = plan.pick(150, 60);
+        let sensor = match condition {
+            Condition::Camera(_, sensor) => sensor,
+            _ => Sensor::default(),
+        };
+        Case { sensor, ..Case::new(format!("{condition:?}"), scene, plan.seed, &variants) }
+    };
+    grid().into_iter().map(case).collect()
+}
+
+/// Balls of 16 px, and a finger over a share of the green one's rim.
+fn under_a_finger(share: f64) -> Scene {
+    let mut scene = named("static-16px");
+    // The rim's point at the angle pi * share from the finger's direction lies on the tip's circle:
+    // c^2 - c cos(pi share) + 1/4 = TIP^2 for the distance c of the two centres.
+    let cosine = (PI * share).cos();
+    let apart = (cosine + (cosine * cosine - 4.0 * (0.25 - TIP * TIP)).sqrt()) / 2.0;
+    let reach = vec![(ARRIVAL_S - 0.33, -40.0), (ARRIVAL_S, TIP - apart)];
+    scene.occluders = vec![Occluder::finger(Anchor::Ball(Ball::Green), 0.0, TIP, reach)];
+    scene
+}
+
+/// Two cameras 1 m away, so many degrees apart, at the height of the other scenes' cameras.
+fn seen_from(degrees: f64) -> Scene {
+    let mut scene = named("circular-0.25-30fps");
+    let height = 12.0_f64.to_radians();
+    // the angle between two directions of one height is less than that between their azimuths
+    let azimuth = ((degrees / 2.0).to_radians().sin() / height.cos()).asin();
+    for (camera, side) in scene.cameras.iter_mut().zip([-1.0, 1.0]) {
+        let azimuth = side * azimuth;
+        let direction =
+            Vector3::new(height.cos() * azimuth.cos(), height.cos() * azimuth.sin(), height.sin());
+        *camera = Camera::looking_at(direction, Vector3::zeros(), camera.focal_px, scene.width, scene.height);
+    }
+    scene
+}
+
+struct Row {
+    condition: Condition,
+    variant: Variant,
+    centres: Centres,
+    poses: Poses,
+}
+
+pub(super) fn outcome(_: Plan, traced: &[Traced]) -> Outcome {
+    let mut rows = Vec::new();
+    for (condition, Traced { traces, .. }) in grid().into_iter().zip(traced) {
+        for trace in traces {
+            let centres = match condition {
+                Condition::Hidden(_) => covered(trace),
+                _ => Centres::of(trace, |_| true),
+            };
+            rows.push(Row { condition, variant: trace.variant, centres, poses: Poses::of(trace) });
+        }
+    }
+    let section = Section {
+        id: "conditions",
+        title: "Noise, fingers, focal length, camera angle, sensor".to_owned(),
+        text: "One condition is changed at a time. Noise, focal length and angle: a circle of 0.1 m radius at 0.25 m/s \
+               in room light; the pose's error is the mean distance from the true place. Finger: a finger \
+               of 1.8 ball diameters comes over a share of the green ball's rim, 16 px wide and otherwise \
+               at rest, before both cameras; only the covered ball counts, from the finger's arrival on. The \
+               focal length is the one the refined pose is told, as a share of the true one. Camera: what real \
+               cameras do to a picture and the renderer does not, on the same circle: a lens that spreads a \
+               point over 2 px, a Bayer mosaic with bilinear interpolation, a tone curve of 1 / 2.2."
+            .to_owned(),
+        tables: vec![table(&rows)],
+        figures: vec![figure(&rows)],
+    };
+    let forty = |mode: Mode| {
+        let mut own =
+            rows.iter().filter(|row| row.condition == Condition::Hidden(0.4) && row.variant.mode == mode);
+        own.next().map_or_else(String::new, |row| row.centres.text())
+    };
+    let real = |mode: Mode| {
+        let all = |row: &&Row| {
+            matches!(row.condition, Condition::Camera(_, Sensor::REAL)) && row.variant.mode == mode
+        };
+        rows.iter().find(all).map_or_else(String::new, |row| {
+            format!("centre {}; place {:.2} mm", row.centres.text(), row.poses.mean_mm)
+        })
+    };
+    let headlines = vec![
+        Headline {
+            what: "With a soft lens, a Bayer mosaic and a tone curve: circle at 0.25 m/s".to_owned(),
+            published: "\u{2013}",
+            promised: "\u{2013}",
+            refined: real(Mode::Refined),
+            paper: real(Mode::Paper),
+        },
+        Headline {
+            what: "Centre of a ball of 16 px, 40 % of its rim behind a finger".to_owned(),
+            published: "\u{2013}",
+            promised: "0.4 px",
+            refined: forty(Mode::Refined),
+            paper: forty(Mode::Paper),
+        },
+    ];
+    Outcome { section, headlines }
+}
+
+/// The green ball while the finger is over it.
+fn covered(trace: &Trace) -> Centres {
+    let mut centres = Centres::default();
+    for frame in trace.frames.iter().filter(|frame| frame.t_s > ARRIVAL_S) {
+        for balls in &frame.cameras {
+            let green = &balls[Ball::Green.index()];
+            centres.add(green, green.seen.state.is_measured());
+        }
+    }
+    centres
+}
+
+fn table(rows: &[Row]) -> Table {
+    let mut columns = vec!["condition", "value", "mode"];
+    columns.extend(Centres::COLUMNS);
+    columns.extend([
+        "pose_share",
+        "box_x_mm",
+        "box_y_mm",
+        "box_z_mm",
+        "pose_mean_mm",
+        "pose_max_mm",
+        "turn_max_deg",
+    ]);
+    let row = |row: &Row| {
+        let (name, value) = match row.condition {
+            Condition::Noise(sigma) => ("noise, grey levels", sigma),
+            Condition::Hidden(share) => ("share of the rim behind a finger", share),
+            Condition::Focal => ("focal length told, share of the true one", row.variant.focal_share),
+            Condition::Angle(degrees) => ("angle between the cameras, degrees", degrees),
+            Condition::Camera(name, _) => (name, f64::NAN),
+        };
+        let mut cells: Vec<Cell> = vec![name.into(), Cell::number(value), row.variant.mode.name().into()];
+        cells.extend(row.centres.cells());
+        let poses = &row.poses;
+        cells.push(Cell::Number(poses.measured as f64 / poses.frames as f64, 3));
+        let millimetres = poses.box_mm.iter().copied().chain([poses.mean_mm, poses.max_mm]);
+        cells.extend(millimetres.chain([poses.turn_max_deg]).map(|value| Cell::Number(value, 3)));
+        cells
+    };
+    Table {
+        name: "conditions",
+        caption: "Errors against one condition at a time".to_owned(),
+        columns,
+        rows: rows.iter().map(row).collect(),
+    }
+}
+
+fn figure(rows: &[Row]) -> Figure {
+    type Value = fn(&Row) -> f64;
+    let curves = |at: fn(&Row) -> Option<f64>, value: Value| -> Vec<Series> {
+        let curve = |mode: Mode| {
+            let own = rows.iter().filter(|row| row.variant.mode == mode);
+            let points = own.filter_map(|row| Some((at(row)?, value(row)))).collect();
+            Series::new(mode.name(), Look::Dotted, colour(mode), points)
+        };
+        MODES.map(curve).to_vec()
+    };
+    let panel = |title: &str, x: &str, y: Axis, series| Panel {
+        title: title.to_owned(),
+        x: Axis::linear(x),
+        y,
+        equal: false,
+        series,
+    };
+    let noise = |row: &Row| match row.condition {
+        Condition::Noise(sigma) => Some(sigma),
+        _ => None,
+    };
+    let hidden = |row: &Row| match row.condition {
+        Condition::Hidden(share) => Some(share),
+        _ => None,
+    };
+    let focal = |row: &Row| (row.condition == Condition::Focal).then_some(row.variant.focal_share);
+    let angle = |row: &Row| match row.condition {
+        Condition::Angle(degrees) => Some(degrees),
+        _ => None,
+    };
+    let (centre, pose): (Value, Value) = (|row| row.centres.mean(), |row| row.poses.mean_mm);
+    let log = |label: &str| Axis::log(label);
+    let mut focal_curves = curves(focal, pose);
+    for series in &mut focal_curves {
+        // a mode that is told no focal length is a line across
+        if let [(_, value)] = series.points[..] {
+            series.points = FOCAL_SHARES.map(|share| (share, value)).to_vec();
+        }
+    }
+    Figure {
+        name: "conditions",
+        caption: "Mean errors against noise, cover, focal length and camera angle; paper mode is told no focal length"
+            .to_owned(),
+        panels: vec![
+            panel("Noise", "grey levels", log("mean error of the centre, px"), curves(noise, centre)),
+            panel("Noise", "grey levels", log("mean error of the place, mm"), curves(noise, pose)),
+            panel("Finger", "share of the rim hidden", log("mean error of the centre, px"), curves(hidden, centre)),
+            panel("Focal length", "share of the true one", log("mean error of the place, mm"), focal_curves),
+            panel("Camera angle", "degrees", log("mean error of the place, mm"), curves(angle, pose)),
+        ],
+    }
+}
