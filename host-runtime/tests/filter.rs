@@ -3,15 +3,16 @@
 mod common;
 
 use common::{Clip, csv, json, tetrad, write_png};
+use std::ops::Range;
 
 const FRAMES: usize = 40;
 
-/// A hand in motion, seen through covered lenses in some frames.
-fn clip() -> Clip {
+/// A hand in motion, its lenses covered in some frames.
+fn clip(dark: Range<usize>) -> Clip {
     let clip = Clip::of("linear-0.25-30fps", FRAMES);
     let size = (u32::from(clip.scene.width), u32::from(clip.scene.height));
     let black = vec![0; 3 * (size.0 * size.1) as usize];
-    for frame in 20..30 {
+    for frame in dark {
         for view in ["left", "right"] {
             write_png(&clip.frame(view, frame), size, png::ColorType::Rgb, png::BitDepth::Eight, &black);
         }
@@ -34,7 +35,7 @@ fn is_measured(row: &[String]) -> bool {
 
 #[test]
 fn with_smoothing_off_and_no_lead_what_is_measured_is_given_unchanged() {
-    let clip = clip();
+    let clip = clip(20..27);
     let rows = poses(&clip, "--smoothing off");
     let (measured, unseen): (Vec<_>, Vec<_>) = rows.iter().partition(|(pose, _)| is_measured(pose));
     assert!(measured.len() > FRAMES / 2 && unseen.len() > 5, "{} and {}", measured.len(), unseen.len());
@@ -51,7 +52,7 @@ fn with_smoothing_off_and_no_lead_what_is_measured_is_given_unchanged() {
 
 #[test]
 fn smoothing_and_lead_change_what_is_given() {
-    let clip = clip();
+    let clip = clip(0..0);
     let x = |flags| -> Vec<String> {
         poses(&clip, flags).into_iter().map(|(_, filtered)| filtered[2].clone()).collect()
     };
