@@ -59,6 +59,12 @@ pub const CHECKS: &[Check] = &[
         run: suite::golden_release,
     },
     Check {
+        name: "benchmarks",
+        protects: "every benchmark still runs: each once, without figures",
+        quick: false,
+        run: suite::benchmarks,
+    },
+    Check {
         name: "target-build",
         protects: "core builds for thumbv7em-none-eabihf without std or alloc",
         quick: false,

@@ -12,7 +12,7 @@ const BUILD_LIMIT: Duration = Duration::from_secs(900);
 const RUN_LIMIT: Duration = Duration::from_secs(120);
 
 /// Subcommands of cargo itself that README may name.
-const CARGO_COMMANDS: [&str; 6] = ["build", "doc", "fuzz", "install", "run", "test"];
+const CARGO_COMMANDS: [&str; 7] = ["bench", "build", "doc", "fuzz", "install", "run", "test"];
 
 pub(super) fn demo(context: &Context) -> Outcome {
     let program = match build(context) {

@@ -36,3 +36,9 @@ fn cargo_test(context: &Context, arguments: &[&str]) -> Outcome {
     }
     outcome
 }
+
+/// Each benchmark once: they measure nothing then, but they run.
+pub(super) fn benchmarks(context: &Context) -> Outcome {
+    let arguments = ["bench", "--locked", "--package", "tetrad-tests", "--bench", "stages", "--", "--test"];
+    context.run(&mut context.cargo(arguments), LIMIT).outcome()
+}
