@@ -67,6 +67,11 @@ pub struct CentreConfig {
     pub whole_visible: f32,
     /// What no fit is better than, pixels: measured.
     pub floor_pixels: f32,
+    /// How much more the variance of the centre is than the edges' residuals say, since what is
+    /// behind a ball moves its whole rim: measured on plain and cluttered scenes ...
+    pub inflation: f32,
+    /// ... and so much more where all of the rim were hidden, in proportion to what is.
+    pub hidden_inflation: f32,
 }
 
 impl CentreConfig {
@@ -95,14 +100,16 @@ impl Default for CentreConfig {
             warm_share: 0.1,
             known_range: 1.15,
             unknown_range: 1.8,
-            radius_share: 0.02,
-            radius_pixels: 0.05,
+            radius_share: 0.01,
+            radius_pixels: 0.03,
             unknown_share: 0.3,
-            harmonic_share: 0.02,
+            harmonic_share: 0.01,
             least_edges: 6,
             least_visible: 0.15,
             whole_visible: 0.75,
-            floor_pixels: 0.01,
+            floor_pixels: 0.004,
+            inflation: 1.4,
+            hidden_inflation: 2.5,
         }
     }
 }

@@ -393,7 +393,11 @@ impl CameraTracker {
                         state: ObservationState::Predicted,
                         centre,
                         diameter: track.diameter(),
-                        covariance: ImageCovariance::isotropic(PREDICTED_SIGMA * track.clean.diameter),
+                        covariance: ImageCovariance::isotropic(if refined {
+                            predicted_sigma(track.diameter(), absent)
+                        } else {
+                            PREDICTED_SIGMA * track.clean.diameter
+                        }),
                         visible: 0.0,
                     };
                 }
@@ -402,6 +406,13 @@ impl CameraTracker {
             }
         }
     }
+}
+
+/// How well a place is known that nobody has seen for a time: the standard deviation of the predictions
+/// on the scenes, all of a calm hand. It grows with the time and its square.
+fn predicted_sigma(diameter: f32, absent_us: u64) -> f32 {
+    let seconds = absent_us as f32 * 1e-6;
+    diameter * (0.005 + 0.14 * seconds + 0.12 * seconds * seconds)
 }
 
 /// How well a row-edge centre is known where the rim was refused.

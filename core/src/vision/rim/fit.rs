@@ -12,13 +12,26 @@ const UNKNOWNS: usize = 5;
 const SCALES: [f32; 4] = [2.0, 1.0, 0.5, 0.3];
 
 /// The same where the first curve is known to be near.
-const NEAR_SCALES: [f32; 3] = [1.0, 0.5, 0.3];
+const NEAR_SCALES: [f32; 3] = [0.8, 0.3, 0.3];
+
+/// A solution that moves no further than this, pixels, at the last scale is the last.
+const SETTLED: f32 = 0.01;
 
 /// What an edge is off without being wrong, pixels: weighs edges against the prior.
 const EDGE_SIGMA: f32 = 0.1;
 
 /// Nothing is known beforehand of the centre: so many pixels.
 const CENTRE_SIGMA: f32 = 20.0;
+
+/// Edges next to each other are taken to be off alike at most so far: a correlation.
+const MOST_LIKENESS: f32 = 0.7;
+
+/// And at least so far: pixels that share their chroma err to opposite sides.
+const LEAST_LIKENESS: f32 = -0.35;
+
+/// Edges that are off by more than this, pixels, are so because of what is behind the ball, and that
+/// moves them together.
+const CLUTTER_SIGMA: f32 = 0.045;
 
 /// From this weight on an edge is on the curve.
 const INLIER_WEIGHT: f32 = 0.25;
@@ -59,6 +72,7 @@ type Unknowns = SVector<f32, UNKNOWNS>;
 /// Fits a curve to edges given from the centre of `start`. `None` where they do not determine one.
 pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior, is_near: bool) -> Option<Fit> {
     let scales: &[f32] = if is_near { &NEAR_SCALES } else { &SCALES };
+    let last_scale = scales.last().copied().unwrap_or_default();
     let mut rows: heapless::Vec<Row, MAX_SCANS> = heapless::Vec::new();
     for Edge { x, y, weight } in &edges.edges {
         let rho2 = (x * x + y * y).max(1e-3);
@@ -70,10 +84,13 @@ pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior, is_n
     // from the centre of `start`
     let mut unknowns = [start.radius, 0.0, 0.0, start.a, start.b];
     let mut last = None;
-    for scale in scales {
+    for &scale in scales {
         let per_scale2 = 1.0 / (scale * scale);
         let (mut normal, mut right) = equations_of(prior);
         let (mut weights, mut squares, mut inliers) = (0.0f32, 0.0f32, 0u32);
+        // what the edges on either side were off on the line before
+        let mut before = [0.0f32; 2];
+        let (mut alike, mut own) = (0.0f32, 1e-9f32);
         for Row { terms, rho, weight } in &rows {
             let off = rho - product(terms, &unknowns);
             let near = 1.0 / (1.0 + off * off * per_scale2);
@@ -81,16 +98,29 @@ pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior, is_n
             let w = weight * robust;
             weights += w;
             squares += w * off * off;
+            let [same_side, other_side] = before;
+            alike += same_side * w * off;
+            own += w * off * w * off;
+            before = [other_side, w * off];
             inliers += u32::from(robust >= INLIER_WEIGHT);
             add(&mut normal, &mut right, terms, *rho, w);
         }
         let factor = normal.cholesky()?;
         let solved: Unknowns = factor.solve(&right);
-        [unknowns] = solved.data.0;
-        last = Some((factor, weights, squares, inliers));
+        let [next] = solved.data.0;
+        let step = unknowns.iter().zip(&next).map(|(a, b)| libm::fabsf(a - b)).fold(0.0, f32::max);
+        unknowns = next;
+        last = Some((factor, weights, squares, alike / own, inliers));
+        if step <= SETTLED && scale <= last_scale {
+            break;
+        }
     }
-    let (factor, weights, squares, inliers) = last?;
+    let (factor, weights, squares, likeness, inliers) = last?;
+    // neighbours that are off alike (a thing behind the ball, its texture) tell less than others
+    let likeness = if likeness > MOST_LIKENESS { MOST_LIKENESS } else { likeness.max(LEAST_LIKENESS) };
+    let repeated = (1.0 + likeness) / (1.0 - likeness);
     let variance = squares / (weights - UNKNOWNS as f32 * 0.5).max(1.0);
+    let variance = repeated * variance * (1.0 + variance / (CLUTTER_SIGMA * CLUTTER_SIGMA));
     let [radius, du, dv, a, b] = unknowns;
     let inverse = factor.inverse();
     let at = |i: usize, j: usize| inverse.get((i, j)).copied().unwrap_or(f32::MAX);

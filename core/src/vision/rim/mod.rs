@@ -37,6 +37,9 @@ use unmix::Palette;
 /// How much less of a rim is needed each frame to replace the remembered one.
 const FADING: f32 = 0.01;
 
+/// How much less well a radius is known for each frame that passes, as a share.
+const AGEING: f32 = 0.1;
+
 /// What a rim says of its ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim {
@@ -96,6 +99,8 @@ pub struct RimMemory {
     /// When most of it was last in sight, and how much of it was.
     whole: Shape,
     seen: f32,
+    /// Frames since then.
+    age: f32,
     /// From the row-edge centre to the rim's, and the blob that had it.
     offset: ImagePoint,
     diameter: f32,
@@ -106,15 +111,15 @@ impl RimMemory {
     /// What to remember after `rim` was measured of `blob`.
     #[must_use]
     pub fn after(former: Option<&Self>, rim: &Rim, blob: &Blob, config: &CentreConfig) -> Self {
-        let (whole, seen) = match former {
+        let (whole, seen, age) = match former {
             // a first look that went wrong must not be held against every later one
             Some(former) if rim.visible < former.seen.min(config.whole_visible) => {
-                (former.whole, former.seen - FADING)
+                (former.whole, former.seen - FADING, former.age + 1.0)
             }
-            _ => (rim.shape, rim.visible),
+            _ => (rim.shape, rim.visible, 0.0),
         };
         let offset = rim.centre - blob.centre;
-        Self { whole, seen, offset, diameter: blob.diameter, height: blob.height }
+        Self { whole, seen, age, offset, diameter: blob.diameter, height: blob.height }
     }
 
     /// The diameter when most of the rim was last in sight, pixels.
@@ -222,7 +227,8 @@ impl Search<'_> {
 
     fn palette(&self, centre: ImagePoint, radius: f32, tested: &mut u32) -> Result<Palette, RimRefusal> {
         let Sought { blob, matcher, .. } = self.sought;
-        Palette::sample(self.frame, matcher, centre, radius, blob.colour, tested).ok_or(RimRefusal::NoColour)
+        Palette::sample(self.frame, matcher, centre, (radius, self.sought.aspect), blob.colour, tested)
+            .ok_or(RimRefusal::NoColour)
     }
 
     /// Whether less of the rim was found than there is of the ball.
@@ -271,7 +277,8 @@ impl Search<'_> {
         match self.sought.memory {
             Some(memory) => Prior {
                 radius: memory.whole.radius,
-                radius_sigma: c.radius_share * memory.whole.radius + c.radius_pixels,
+                radius_sigma: c.radius_pixels
+                    + c.radius_share * memory.whole.radius * (1.0 + AGEING * memory.age),
                 a: memory.whole.a,
                 b: memory.whole.b,
                 harmonic_sigma: c.harmonic_share * memory.whole.radius,
@@ -316,6 +323,8 @@ impl Search<'_> {
         let shape = Shape { radius, a, b };
         let [uu, uv, vv] = fitted.covariance;
         let floor = c.floor_pixels * c.floor_pixels;
+        let inflation = c.inflation + c.hidden_inflation * (1.0 - visible).max(0.0);
+        let [uu, uv, vv] = [uu, uv, vv].map(|x| x * inflation);
         Ok(Rim {
             centre,
             diameter: shape.width(),

@@ -3,20 +3,12 @@
 //! Sixteen rays leave the blob's centre and end where the ball's hue does; of the circles through two
 //! or three of the ends the one with the most ends near it is taken.
 
-use super::unmix::{Palette, floats};
+use super::unmix::{DIRECTIONS, Palette, floats};
 use crate::geometry::{ImagePoint, round_to_i32};
 use crate::vision::frame::FrameView;
 
 /// Rays.
-const RAYS: usize = 16;
-
-/// A quarter of their directions, unit vectors; the others are these turned.
-const DIRECTIONS: [(f32, f32); RAYS / 4] = {
-    const C: f32 = 0.923_879_5;
-    const S: f32 = 0.382_683_43;
-    const H: f32 = core::f32::consts::FRAC_1_SQRT_2;
-    [(1.0, 0.0), (C, S), (H, H), (S, C)]
-};
+const RAYS: usize = DIRECTIONS.len();
 
 /// Outside the ball the hue is so far from its own: the sine squared of 14 degrees.
 const OTHER_HUE: f32 = 0.06;
@@ -59,14 +51,10 @@ impl Rays<'_> {
     /// The circle with the most ends of rays from `from` near it. `None` where no two ends agree.
     pub(super) fn circle(&self, from: ImagePoint, tested: &mut u32) -> Option<Circle> {
         let mut ends: heapless::Vec<(f32, f32), RAYS> = heapless::Vec::new();
-        let turned = |(c, s): (f32, f32)| [(c, s), (-s, c), (-c, -s), (s, -c)];
-        for turn in 0..4 {
-            for direction in DIRECTIONS {
-                let towards = turned(direction).into_iter().nth(turn)?;
-                if let Some(end) = self.end(from, towards, tested) {
-                    // there are as many places as rays
-                    let _ = ends.push(end);
-                }
+        for towards in DIRECTIONS {
+            if let Some(end) = self.end(from, towards, tested) {
+                // there are as many places as rays
+                let _ = ends.push(end);
             }
         }
         let mut best: Option<((f32, f32, f32), f32)> = None;

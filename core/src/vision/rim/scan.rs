@@ -4,13 +4,13 @@
 //! columns, so that a scan meets the rim at 45 degrees at the most and pixels are read as they are.
 
 use super::fit::Curve;
-use super::unmix::{Palette, plus, scaled};
+use super::unmix::{Palette, minus, plus, scaled};
 use crate::geometry::round_to_i32;
 use crate::vision::frame::{FrameView, Rgb};
 
-/// The most scans of one ball: sixteen across each quarter of the rim. A larger ball has every
-/// second or third row.
-pub const MAX_SCANS: usize = 64;
+/// The most scans of one ball: ten across each quarter of the rim. From 14 pixels on rows (columns)
+/// are left out, two by two: pixels that share their chroma are both read.
+pub const MAX_SCANS: usize = 40;
 
 /// The most pixels of one scan.
 pub const MAX_SCAN_PIXELS: usize = 20;
@@ -28,9 +28,9 @@ const LEAST_BRIGHTNESS: f32 = 0.15;
 /// The most variance of an unmixed pixel per grey level of noise: a contrast of 14 levels.
 const MAX_VARIANCE: f32 = 0.005;
 
-/// Variance of an edge that is not noise, over that of an unmixed pixel: (0.05 px)^2 over the
-/// (2 grey levels)^2 of 6 pixels.
-const EVEN_VARIANCE: f32 = 0.0001;
+/// A step this large in what is behind the ball, as a share of the step at the rim, halves what a
+/// crossing counts: one over its square.
+const PER_STEP2: f32 = 100.0;
 
 /// One crossing.
 #[derive(Clone, Copy, Debug)]
@@ -99,8 +99,11 @@ impl Scanner<'_> {
         let per_radius3 = 1.0 / (radius2 * radius);
         let per_line2 = 1.0 / (24.0 * line_scale * line_scale);
         let per_line = 1.0 / line_scale;
-        let mut line = first;
-        while line <= last {
+        for i in 0..per_side {
+            let line = first + (i / 2) * 2 * stride + i % 2;
+            if line > last {
+                break;
+            }
             let across = (line as f32 - line_centre) * per_line;
             let half2 = (radius2 - across * across).max(1e-3);
             let half = libm::sqrtf(half2);
@@ -122,7 +125,6 @@ impl Scanner<'_> {
                 // there are as many places as scans
                 let _ = found.edges.push(Edge { x, y, weight });
             }
-            line += stride;
         }
     }
 
@@ -163,18 +165,23 @@ impl Scanner<'_> {
         };
         let inner = sum_of(inner_count)?;
         let between = sum_of(count - inner_count - OUTER_COUNT)?;
-        let outer = sum_of(OUTER_COUNT)?;
+        let (near, far) = (sum_of(1)?, sum_of(1)?);
+        let outer = plus(&near, &far);
         *tested += count as u32;
-        let brightness = self.palette.brightness(&inner, MAX_HUE)? / inner_count as f32;
+        let inside_colour = scaled(&inner, 1.0 / inner_count as f32);
+        let brightness = self.palette.brightness(&inside_colour, MAX_HUE)?;
         if brightness < LEAST_BRIGHTNESS {
             return None;
         }
         let behind = scaled(&outer, 1.0 / OUTER_COUNT as f32);
-        let unmixer = self.palette.unmixer(brightness, &behind)?;
+        let unmixer = self.palette.unmixer(brightness, &inside_colour, &behind)?;
         let variance = unmixer.variance();
         if variance > MAX_VARIANCE {
             return None;
         }
+        // an edge of something behind the ball
+        let step = unmixer.shares(&minus(&far, &near), 0.0);
+        let calm = 1.0 / (1.0 + step * step * PER_STEP2);
         let all = plus(&plus(&inner, &between), &outer);
         let background = unmixer.shares(&all, count as f32);
         let ball = count as f32 - background;
@@ -182,7 +189,7 @@ impl Scanner<'_> {
             return None;
         }
         let edge = start as f32 + outward as f32 * (ball - 0.5);
-        Some((edge, EVEN_VARIANCE / (EVEN_VARIANCE + variance)))
+        Some((edge, (1.0 - variance * (1.0 / MAX_VARIANCE)) * calm))
     }
 }
 

@@ -3,7 +3,31 @@
 use crate::geometry::{ImagePoint, round_to_i32};
 use crate::vision::colour::Matcher;
 use crate::vision::frame::{FrameView, Rgb};
-use core::f32::consts::FRAC_1_SQRT_2;
+
+/// Sixteen directions, unit vectors, a quarter of a quarter turn apart.
+pub(super) const DIRECTIONS: [(f32, f32); 16] = {
+    const C: f32 = 0.923_879_5;
+    const S: f32 = 0.382_683_43;
+    const H: f32 = core::f32::consts::FRAC_1_SQRT_2;
+    [
+        (1.0, 0.0),
+        (C, S),
+        (H, H),
+        (S, C),
+        (0.0, 1.0),
+        (-S, C),
+        (-H, H),
+        (-C, S),
+        (-1.0, 0.0),
+        (-C, -S),
+        (-H, -H),
+        (-S, -C),
+        (0.0, -1.0),
+        (S, -C),
+        (H, -H),
+        (C, -S),
+    ]
+};
 
 /// Three components, grey levels.
 pub(super) type Colour = [f32; 3];
@@ -13,17 +37,18 @@ pub(super) type Colour = [f32; 3];
 /// only where background and ball differ in brightness alone.
 const SHADING_PRIOR: f32 = 400.0;
 
-/// The colour is sampled up to this share of the radius to either side of the centre ...
-const SAMPLED_SHARE: f32 = 0.5;
+/// The colour is sampled on a ring of this share of the radius, where a highlight seldom is ...
+const SAMPLED_SHARE: f32 = 0.8;
 
-/// ... and with the corners so far inside the rim that their pixels are all ball, pixels ...
+/// ... and at least so far inside the rim, pixels: these pixels are all ball.
 const SAMPLED_INSIDE: f32 = 1.8;
 
-/// ... at so many columns and rows.
-const SAMPLED_SIDE: i32 = 5;
-
-/// Matched samples from which on their mean is the ball's colour.
+/// Matched samples of [`DIRECTIONS`] from which on their mean is the ball's colour.
 const LEAST_SAMPLES: f32 = 3.0;
+
+/// How much of the ball's colour in a scan is that of its own inside, the rest being the whole ball's:
+/// a highlight or a coloured light tints a part of it, and one pixel alone is noisy.
+const LOCAL: f32 = 0.5;
 
 /// The least length of a ball's colour, grey levels: below it there is no hue.
 const LEAST_COLOUR: f32 = 8.0;
@@ -47,30 +72,27 @@ pub(super) struct Palette {
 }
 
 impl Palette {
-    /// The mean of the matched pixels in the middle of a ball, or `otherwise` where there are too few
+    /// The mean of the matched pixels of a ring inside the rim, or `otherwise` where there are too few
     /// (a finger or a highlight over it). `None` for black.
     pub(super) fn sample(
         frame: &FrameView<'_>,
         matcher: &Matcher,
         centre: ImagePoint,
-        radius: f32,
+        (radius, aspect): (f32, f32),
         otherwise: Rgb,
         tested: &mut u32,
     ) -> Option<Self> {
-        let reach = ((radius - SAMPLED_INSIDE) * FRAC_1_SQRT_2).min(radius * SAMPLED_SHARE).max(0.0);
-        let step = reach / (SAMPLED_SIDE / 2) as f32;
+        let ring = (radius - SAMPLED_INSIDE).min(radius * SAMPLED_SHARE).max(0.0);
         let (mut sum, mut count) = ([0.0; 3], 0.0);
-        for j in -SAMPLED_SIDE / 2..=SAMPLED_SIDE / 2 {
-            for i in -SAMPLED_SIDE / 2..=SAMPLED_SIDE / 2 {
-                let x = round_to_i32(centre.u + step * i as f32);
-                let y = round_to_i32(centre.v + step * j as f32);
-                if let Some(colour) = frame.pixel(x, y).filter(|colour| matcher.accepts(*colour)) {
-                    sum = plus(&sum, &floats(colour));
-                    count += 1.0;
-                }
+        for (c, s) in DIRECTIONS {
+            let x = round_to_i32(centre.u + ring * c);
+            let y = round_to_i32(centre.v + ring * s * aspect);
+            if let Some(colour) = frame.pixel(x, y).filter(|colour| matcher.accepts(*colour)) {
+                sum = plus(&sum, &floats(colour));
+                count += 1.0;
             }
         }
-        *tested += (SAMPLED_SIDE * SAMPLED_SIDE) as u32;
+        *tested += DIRECTIONS.len() as u32;
         let ball = if count >= LEAST_SAMPLES { scaled(&sum, 1.0 / count) } else { floats(otherwise) };
         let ball2 = dot(&ball, &ball);
         (ball2 >= LEAST_COLOUR * LEAST_COLOUR).then(|| Self { ball, ball2, per_ball2: 1.0 / ball2 })
@@ -84,14 +106,14 @@ impl Palette {
         of_the_hue.then_some(along * self.per_ball2)
     }
 
-    /// The share of background in a pixel as a linear function of it, where the ball is about
-    /// `brightness` times its usual self and the background `behind`.
+    /// The share of background in a pixel as a linear function of it, where the ball just inside is
+    /// `inner`, about `brightness` times its usual self, and the background is `behind`.
     ///
     /// A pixel is p C + q B. Least squares with the wish that p / brightness + q = 1, weighed by
     /// [`SHADING_PRIOR`]: of no account where C and B are of different hue (then q does not depend on
     /// the shading at all), and all there is to go by where B is black or of C's hue.
-    pub(super) fn unmixer(&self, brightness: f32, behind: &Colour) -> Option<Unmixer> {
-        let ball = scaled(&self.ball, brightness);
+    pub(super) fn unmixer(&self, brightness: f32, inner: &Colour, behind: &Colour) -> Option<Unmixer> {
+        let ball = plus(&scaled(&self.ball, brightness * (1.0 - LOCAL)), &scaled(inner, LOCAL));
         let cc = dot(&ball, &ball) + SHADING_PRIOR;
         let cb = dot(&ball, behind) + SHADING_PRIOR;
         let bb = dot(behind, behind) + SHADING_PRIOR;
@@ -132,6 +154,11 @@ impl Unmixer {
 pub(super) fn plus(a: &Colour, b: &Colour) -> Colour {
     let ([a0, a1, a2], [b0, b1, b2]) = (a, b);
     [a0 + b0, a1 + b1, a2 + b2]
+}
+
+pub(super) fn minus(a: &Colour, b: &Colour) -> Colour {
+    let ([a0, a1, a2], [b0, b1, b2]) = (a, b);
+    [a0 - b0, a1 - b1, a2 - b2]
 }
 
 pub(super) fn floats(colour: Rgb) -> Colour {
