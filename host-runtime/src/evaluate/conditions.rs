@@ -167,7 +167,7 @@ pub(super) fn outcome(_: Plan, traced: &[Traced]) -> Outcome {
         Headline {
             what: "Centre of a ball of 16 px, 40 % of its rim behind a finger".to_owned(),
             published: "\u{2013}",
-            promised: "0.4 px",
+            promised: "under 0.4 px",
             refined: forty(Mode::Refined),
             paper: forty(Mode::Paper),
         },

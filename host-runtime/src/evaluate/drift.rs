@@ -69,7 +69,7 @@ pub(super) fn outcome(plan: Plan, traced: &[Traced]) -> Outcome {
     let headlines = vec![Headline {
         what: format!("Back at the start after {minutes:.0} minutes, worst light"),
         published: "\u{2013}",
-        promised: "0.3 mm",
+        promised: "under 0.3 mm",
         refined: back(Mode::Refined),
         paper: back(Mode::Paper),
     }];

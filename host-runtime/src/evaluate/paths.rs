@@ -147,7 +147,7 @@ fn figure(name: &'static str, caption: &str, path: &str, traced: &[Traced]) -> F
     let error = |title: &str, label: &str, value: fn(&super::trace::PoseError) -> f64| Panel {
         title: title.to_owned(),
         x: Axis::linear("time, s"),
-        y: Axis::from_zero(label),
+        y: Axis::log(label),
         equal: false,
         series: MODES
             .iter()
@@ -188,18 +188,17 @@ fn headlines(rows: &[Row]) -> Vec<Headline> {
     }
     let wrong = |row: &Row| row.view.contains("focal");
     lines.push(Headline {
-        what: "the same, both focal lengths told wrong by 10 %, worst path and light".to_owned(),
+        what: "3D, both focal lengths told wrong by 10 %, worst path and light".to_owned(),
         published: "\u{2013}",
         promised: "box 2.5 mm",
         refined: of(Mode::Refined, &wrong),
-        // it is told none
-        paper: "as above".to_owned(),
+        paper: "is told none".to_owned(),
     });
     let one = |row: &Row| row.view == VIEWS[3].0;
     lines.push(Headline {
-        what: "the same, one camera only, worst path and light".to_owned(),
+        what: "3D, one camera only, worst path and light".to_owned(),
         published: "\u{2013}",
-        promised: "6 mm",
+        promised: "under 6 mm",
         refined: of(Mode::Refined, &one),
         paper: of(Mode::Paper, &one),
     });

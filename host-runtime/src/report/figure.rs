@@ -100,6 +100,12 @@ impl Look {
 }
 
 impl Series {
+    /// The diameter of its dots: smaller where there are many.
+    #[must_use]
+    pub fn dot(&self) -> f64 {
+        if self.look == Look::Points && self.points.len() > 20 { 4.0 } else { 7.0 }
+    }
+
     /// A curve.
     #[must_use]
     pub fn new(name: &str, look: Look, colour: &'static str, points: Vec<(f64, f64)>) -> Self {

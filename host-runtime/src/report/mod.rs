@@ -32,7 +32,9 @@ pub const HEADLINES: &str = "headlines.csv";
 pub struct Report {
     /// Above the page.
     pub title: String,
-    /// Under the title: what was run, and how it is run again.
+    /// Under the title: what this is, and how it is run again.
+    pub lead: String,
+    /// Under the first table: what its figures mean, a paragraph each.
     pub about: Vec<String>,
     /// The table a reader sees first.
     pub headlines: Table,

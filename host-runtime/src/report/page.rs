@@ -19,12 +19,13 @@ pub(super) fn html(report: &Report) -> String {
          <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n",
         title = escape(&report.title)
     );
+    let _ = writeln!(page, "<p class=\"about\">{}</p>\n<div id=\"headlines\">", escape(&report.lead));
+    push_table(&mut page, &report.headlines, false);
+    page.push_str("</div>\n");
     for line in &report.about {
         let _ = writeln!(page, "<p class=\"about\">{}</p>", escape(line));
     }
-    page.push_str("<div id=\"headlines\">\n");
-    push_table(&mut page, &report.headlines, false);
-    page.push_str("</div>\n<nav>\n");
+    page.push_str("<nav>\n");
     for Section { id, title, .. } in &report.sections {
         let _ = writeln!(page, "<a href=\"#{id}\">{}</a>", escape(title));
     }
@@ -80,9 +81,11 @@ fn push_table(page: &mut String, table: &Table, folded: bool) {
     page.push_str("</tr></thead>\n<tbody>\n");
     for row in &table.rows {
         page.push_str("<tr>");
-        for cell in row {
+        for (cell, column) in row.iter().zip(&table.columns) {
             let number = matches!(cell, Cell::Number(..));
-            let _ = write!(page, "<td{}>{}</td>", class(number), escape(&cell.text()));
+            // on a narrow window a row of the first table is a list, and needs the column's name
+            let (class, name) = (class(number), escape(column));
+            let _ = write!(page, "<td{class} data-column=\"{name}\">{}</td>", escape(&cell.text()));
         }
         page.push_str("</tr>\n");
     }

@@ -33,7 +33,7 @@ pub(super) fn json(panel: &Panel) -> String {
     }
     plot.set_layout(
         Layout::new()
-            .title(Title::with_text(&panel.title).font(Font::new().size(15)))
+            .title(Title::with_text(&panel.title).font(Font::new().size(15)).x(0.02))
             .x_axis(axis(&panel.x, panel.series.iter().flat_map(|s| s.points.iter().map(|p| p.0))))
             .y_axis(y)
             .font(Font::new().color(INK).size(12))
@@ -63,7 +63,7 @@ fn trace(series: &Series) -> Box<Scatter<f64, Option<f64>>> {
         .name(&series.name)
         .mode(mode)
         .line(Line::new().color(series.colour).width(1.8).dash(dash))
-        .marker(Marker::new().color(series.colour).size(if series.look == Look::Points { 4 } else { 6 }))
+        .marker(Marker::new().color(series.colour).size(series.dot() as usize))
         .connect_gaps(false)
 }
 

@@ -146,7 +146,7 @@ impl Svg {
             );
         }
         if series.look.marked() {
-            let radius = if series.look.joined() { 3.0 } else { 1.8 };
+            let radius = series.dot() / 2.2;
             for point in points().filter(|point| inside(point)) {
                 let _ = writeln!(
                     self.0,
