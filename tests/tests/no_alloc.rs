@@ -6,11 +6,14 @@ mod common;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::collections::BTreeSet;
 use std::hint::black_box;
 use tetrad_core::config::{HandConfig, LearnConfig, ProposeConfig};
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::motion::MotionTracker;
 use tetrad_core::hand::state::PoseState;
+use tetrad_core::hand::tracker::{HandMode, HandTracker};
+use tetrad_core::hand::view::{CameraModel, HandView};
 use tetrad_core::observation::{BALLS, Ball, Observation};
 use tetrad_core::vision::colour::Primary;
 use tetrad_core::vision::learn::propose::propose;
@@ -73,6 +76,13 @@ fn the_tracker_of_one_camera_is_under_4_kib() {
     assert!(bytes < 4096, "{bytes} bytes");
 }
 
+/// With what is known of eight cameras; on a microcontroller much the same.
+#[test]
+fn the_tracker_of_the_hand_is_under_40_kib() {
+    let bytes = size_of::<HandTracker>();
+    assert!(bytes < 40 * 1024, "{bytes} bytes");
+}
+
 #[test]
 fn learning_allocates_nothing() {
     let scene = common::scene("still");
@@ -118,6 +128,8 @@ fn tracking_and_motion_allocate_nothing() {
     });
     let arms = Arms::equal(scene.arm_m as f32).expect("the arms of a scene");
     let mut hand = MotionTracker::new(arms, HandConfig::default());
+    let mut refined = HandTracker::new(HandMode::Refined, arms, HandConfig::default());
+    let mut states = BTreeSet::new();
     let (mut solved, mut refused) = (0, 0);
     for frame in 0..scene.frames() {
         let mut views = [[Observation::default(); BALLS]; 2];
@@ -130,8 +142,26 @@ fn tracking_and_motion_allocate_nothing() {
         }
         let (motion, allocations) = counted(|| hand.update(&views));
         assert_eq!(allocations, 0, "motion, frame {frame}");
-        if motion.is_ok() { solved += 1 } else { refused += 1 }
+        if motion.is_ok() {
+            solved += 1
+        } else {
+            refused += 1
+        }
+        let t_us = common::time_us(&scene, frame);
+        let camera = CameraModel::nominal(scene.width, scene.height);
+        let views = views.map(|balls| HandView { balls, camera });
+        let (report, allocations) = counted(|| {
+            if frame == 10 {
+                refined.engage();
+            }
+            black_box(refined.predict(1, t_us));
+            refined.update(&views, t_us)
+        });
+        assert_eq!(allocations, 0, "refined pose, frame {frame}");
+        states.insert(report.state);
     }
+    let every = [PoseState::Both, PoseState::Predicted, PoseState::Held];
+    assert!(every.iter().all(|state| states.contains(state)), "{states:?}");
     assert!(solved > 20 && refused > 5, "{solved} frames solved, {refused} refused");
 }
 

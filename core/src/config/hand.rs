@@ -51,9 +51,10 @@ impl Default for HandConfig {
 pub struct PoseConfig {
     /// How well a nominal focal length is known: the standard deviation of its logarithm.
     ///
-    /// 0.15 takes in a lens that is 10 % off, or 30 % at two standard deviations.
+    /// A lens that is 10 % off is taken in at once, and one that is 30 % off a little later.
     pub focal_sigma: f32,
-    /// A centre is never taken for better than this, px.
+    /// A centre is never taken for better than this, px: a tenth of what the refined centre reaches on
+    /// a ball of 16 px. It keeps one equation from outweighing all others.
     pub centre_floor_px: f32,
     /// What a centre without a covariance is taken for, px: the paper's own figure (section 5).
     pub centre_default_px: f32,
@@ -62,9 +63,14 @@ pub struct PoseConfig {
     /// Beyond so many standard deviations, and [`PoseConfig::wrong_px`], a ball is not what it is
     /// taken for, or its camera is not where it was.
     pub wrong_sigmas: f32,
-    /// See [`PoseConfig::wrong_sigmas`], px: lens distortion, and cameras that are not exposed at one
-    /// time, must stay under it.
+    /// See [`PoseConfig::wrong_sigmas`], px. Where lens distortion, arms of another length, or cameras
+    /// that are not exposed at one time make more of it, the standard deviations have grown with it.
     pub wrong_px: f32,
+    /// A pose so many standard deviations from where the hand was expected is believed only if balls
+    /// that are seen whole show it.
+    pub leap_sigmas: f32,
+    /// A camera is latched where the four balls fit the hand to so many pixels.
+    pub latch_px: f32,
     /// How far the hand may be from its prediction, metres. Weak beside any measurement; it only
     /// decides what nothing was measured of.
     pub prior_m: f32,
@@ -75,6 +81,8 @@ pub struct PoseConfig {
     pub key_arms: f32,
     /// How many such frames are remembered.
     pub key_frames: f32,
+    /// How many more frames are learnt from at one place.
+    pub key_repeats: u32,
     /// For how long after the last measured frame the hand is carried on, microseconds: a sixth of a
     /// second, about what a hand takes to turn round.
     pub predict_us: u64,
@@ -90,16 +98,19 @@ pub struct PoseConfig {
 impl Default for PoseConfig {
     fn default() -> Self {
         Self {
-            focal_sigma: 0.15,
-            centre_floor_px: 0.01,
+            focal_sigma: 0.1,
+            centre_floor_px: 0.002,
             centre_default_px: 0.1,
             huber_sigmas: 3.0,
             wrong_sigmas: 6.0,
-            wrong_px: 3.0,
+            wrong_px: 1.0,
+            leap_sigmas: 4.0,
+            latch_px: 5.0,
             prior_m: 0.03,
             prior_rad: 0.26,
             key_arms: 0.25,
             key_frames: 64.0,
+            key_repeats: 8,
             predict_us: 170_000,
             hold_us: 500_000,
             latch_wait_frames: 15,

@@ -105,3 +105,71 @@ pub fn picture(camera_from_hand: &Pose, focal_px: f32, arms: Arms) -> [Option<Ve
         project(&p, focal_px).map(|seen| seen.x_px)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn gradients_are_those_of_the_projection(
+            sideways in prop::array::uniform2(-0.3_f32..0.3),
+            depth in 0.5_f32..2.0,
+            direction in prop::array::uniform3(-1.0_f32..1.0),
+        ) {
+            let x = Vector3::new(sideways[0], sideways[1], depth);
+            let step = Vector3::from(direction) * 1e-3;
+            let (before, after) = (project(&(x - step), 800.0).unwrap(), project(&(x + step), 800.0).unwrap());
+            let change = (after.x_px - before.x_px) / 2.0;
+            let rows = project(&x, 800.0).unwrap().rows;
+            prop_assert!((rows[0].dot(&step) - change.x).abs() < 2e-3, "{change}");
+            prop_assert!((rows[1].dot(&step) - change.y).abs() < 2e-3, "{change}");
+        }
+
+        #[test]
+        fn whitened_errors_have_the_size_of_their_covariance(
+            uu in 0.01_f32..1.0, vv in 0.01_f32..1.0, correlation in -0.9_f32..0.9,
+            error in prop::array::uniform2(-2.0_f32..2.0),
+        ) {
+            let uv = correlation * libm::sqrtf(uu * vv);
+            let origin = ImagePoint::new(0.0, 0.0);
+            let sighting = Sighting::new(origin, origin, 0.0, 800.0, [uu, uv, vv]).unwrap();
+            let e = Vector2::from(error);
+            let covariance = nalgebra::Matrix2::new(uu, uv, uv, vv);
+            let expected = (e.transpose() * covariance.try_inverse().unwrap() * e).x;
+            prop_assert!((sighting.whiten(e).norm_squared() - expected).abs() < 1e-3 * expected + 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_outline_of_a_sphere_is_taken_back_to_its_centre() {
+        // a ball of 20 mm at (0.25, -0.15, 0.9) m, f = 800 px: its outline is an ellipse whose long
+        // axis points at the picture's middle, from f tan(angle - half width) to f tan(angle + it)
+        let (x, y, z) = (0.25_f64, -0.15_f64, 0.9_f64);
+        let sideways = x.hypot(y);
+        let angle = sideways.atan2(z);
+        let half_width = (0.01 / z.hypot(sideways)).asin();
+        let outline = 800.0 * ((angle - half_width).tan() + (angle + half_width).tan()) / 2.0;
+        let centre = 800.0 * sideways / z;
+        assert!(outline - centre > 0.03, "there is something to take back");
+        let scale = outline / sideways;
+        let at = ImagePoint::new((319.5 + x * scale) as f32, (239.5 + y * scale) as f32);
+        let diameter = (800.0 * 0.02 / z) as f32;
+        let sighting =
+            Sighting::new(at, ImagePoint::new(319.5, 239.5), diameter, 800.0, [0.01, 0.0, 0.01]).unwrap();
+        assert!((f64::from(sighting.x_px.norm()) - centre).abs() < 1e-3, "{} {centre}", sighting.x_px.norm());
+    }
+
+    #[test]
+    fn what_cannot_be_seen_is_none() {
+        assert_eq!(project(&Vector3::new(0.1, 0.1, 0.0), 800.0), None);
+        assert_eq!(project(&Vector3::new(0.1, 0.1, -1.0), 800.0), None);
+        assert_eq!(project(&Vector3::new(0.1, 0.1, f32::NAN), 800.0), None);
+        let origin = ImagePoint::new(0.0, 0.0);
+        let at = ImagePoint::new(f32::NAN, 0.0);
+        assert_eq!(Sighting::new(at, origin, 16.0, 800.0, [0.01, 0.0, 0.01]), None);
+        assert_eq!(Sighting::new(origin, origin, 16.0, 0.0, [0.01, 0.0, 0.01]), None);
+        assert_eq!(Sighting::new(origin, origin, 16.0, 800.0, [0.01, 0.02, 0.01]), None, "no covariance");
+    }
+}

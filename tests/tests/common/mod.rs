@@ -71,7 +71,12 @@ pub(crate) fn track(scene: &Scene, camera: usize, mut each: impl FnMut(&Tracked)
 
 /// Tracks every frame of all cameras, in order, as the program does: the hand that they see says where
 /// each ball is next.
-pub(crate) fn track_hand(scene: &Scene, mut each: impl FnMut(usize, &Tracked)) {
+pub(crate) fn track_hand(scene: &Scene, each: impl FnMut(usize, &Tracked)) {
+    track_hand_with(scene, PipelineConfig::paper(), each);
+}
+
+/// The same with methods of choice.
+pub(crate) fn track_hand_with(scene: &Scene, config: PipelineConfig, mut each: impl FnMut(usize, &Tracked)) {
     let mut pictures = vec![Vec::new(); scene.cameras()];
     render(scene, 0, &mut pictures);
     let starts: Vec<CameraStart> = pictures
@@ -87,7 +92,7 @@ pub(crate) fn track_hand(scene: &Scene, mut each: impl FnMut(usize, &Tracked)) {
         })
         .collect();
     let arms = Arms::equal(scene.arm_m as f32).expect("the arms of a scene");
-    let pipeline = Pipeline::new(&starts, PipelineConfig::paper(), Some(arms));
+    let pipeline = Pipeline::new(&starts, config, Some(arms));
     let mut pipeline = pipeline.expect("the balls of a scene can be tracked");
     for frame in 0..scene.frames() {
         render(scene, frame, &mut pictures);

@@ -69,3 +69,54 @@ pub fn posit(x_px: &[Vector2<f32>; 4], focal_px: f32, arms: Arms) -> Option<Pose
     }
     solved.filter(|pose| pose.translation.iter().chain(pose.rotation.iter()).all(|x| x.is_finite()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hand::perspective::picture;
+    use crate::hand::synthetic::{arms, difference, number, rotation};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_view_gives_the_pose_it_was_made_from(
+            rotation in rotation(3.1),
+            place in prop::array::uniform2(-0.2_f32..0.2),
+            distance in 0.6_f32..2.0,
+            focal_px in 500.0_f32..1200.0,
+        ) {
+            let [x, y] = place;
+            let pose = Pose { rotation, translation: Vector3::new(x, y, distance) };
+            let [Some(a), Some(b), Some(c), Some(d)] = picture(&pose, focal_px, arms()) else {
+                return Err(TestCaseError::fail("behind the camera"));
+            };
+            // two arms in one line of sight leave nothing to start from
+            let (u, v, w) = (b - a, c - a, d - a);
+            let area = |p: &Vector2<f32>, q: &Vector2<f32>| (p.x * q.y - p.y * q.x).abs();
+            prop_assume!(area(&u, &v).max(area(&v, &w)).max(area(&w, &u)) > 500.0);
+            let found = posit(&[a, b, c, d], focal_px, arms()).unwrap();
+            // good enough to start Gauss-Newton from
+            prop_assert!(difference(&found, &pose) < 0.02, "{}", difference(&found, &pose));
+        }
+
+        #[test]
+        fn any_numbers_give_a_finite_pose_or_none(
+            numbers in prop::array::uniform8(number()),
+            focal_px in number(),
+        ) {
+            let [a, b, c, d, e, f, g, h] = numbers;
+            let points = [Vector2::new(a, b), Vector2::new(c, d), Vector2::new(e, f), Vector2::new(g, h)];
+            if let Some(pose) = posit(&points, focal_px, arms()) {
+                prop_assert!(pose.translation.iter().chain(pose.rotation.iter()).all(|x| x.is_finite()));
+            }
+        }
+    }
+
+    #[test]
+    fn balls_in_one_place_or_on_one_line_give_none() {
+        let at = Vector2::new(10.0, 20.0);
+        assert_eq!(posit(&[at; 4], 800.0, arms()), None);
+        let along = |k: f32| at + Vector2::new(30.0, 10.0) * k;
+        assert_eq!(posit(&[along(0.0), along(1.0), along(-0.5), along(2.0)], 800.0, arms()), None);
+    }
+}

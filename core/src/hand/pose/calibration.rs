@@ -47,6 +47,7 @@ pub struct Calibration {
     all: SquareRoot,
     /// The hand's pose in the last key frame.
     key_pose: Pose,
+    repeats: u32,
 }
 
 impl Calibration {
@@ -61,6 +62,7 @@ impl Calibration {
             keys: SquareRoot::new(views),
             all: SquareRoot::new(views),
             key_pose: Pose::identity(),
+            repeats: 0,
         }
     }
 
@@ -124,6 +126,7 @@ impl Calibration {
         }
         self.anchor = *seen;
         self.key_pose = Pose::identity();
+        self.repeats = 0;
         self.fit(arms, noise, config);
     }
 
@@ -135,6 +138,11 @@ impl Calibration {
             self.keys.fade(libm::sqrtf(remembered));
             self.add_equations(pose, seen, arms, noise);
             self.key_pose = *pose;
+            self.repeats = 0;
+            self.fit(arms, noise, config);
+        } else if self.repeats < config.key_repeats {
+            self.add_equations(pose, seen, arms, noise);
+            self.repeats += 1;
             self.fit(arms, noise, config);
         }
     }

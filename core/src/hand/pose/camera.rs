@@ -189,3 +189,102 @@ impl Camera {
         [row(first, of.projected.x), row(second, of.projected.y)]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ImagePoint;
+    use crate::hand::perspective::project;
+    use crate::hand::synthetic::{difference, pose, rotation as any_rotation};
+    use proptest::prelude::*;
+
+    /// A camera that sees a hand somewhere in front of it.
+    fn camera() -> impl Strategy<Value = (Camera, Pose)> {
+        (any_rotation(3.1), prop::array::uniform2(-0.2_f32..0.2), 0.7_f32..1.5, pose(1.0, 0.1)).prop_map(
+            |(rotation, [x, y], z, world_from_hand)| {
+                let camera_from_hand = Pose { rotation, translation: Vector3::new(x, y, z) };
+                (
+                    Camera::new(&camera_from_hand, &world_from_hand, &Vector3::repeat(0.02), 800.0),
+                    world_from_hand,
+                )
+            },
+        )
+    }
+
+    /// Where a ball is seen, px.
+    fn seen(camera: &Camera, hand: &Pose, ball: &Vector3<f32>) -> Vector2<f32> {
+        let hand = camera.sees(hand);
+        project(&(hand.rotation * ball + hand.translation), camera.focal_px()).unwrap().x_px
+    }
+
+    proptest! {
+        #[test]
+        fn derivatives_are_those_of_the_picture(
+            (camera, hand) in camera(),
+            ball in prop::array::uniform3(-0.08_f32..0.08),
+            unknown in 0_usize..POSE_AND_CAMERA,
+        ) {
+            let ball = Vector3::from(ball);
+            let origin = ImagePoint::new(0.0, 0.0);
+            let sighting = Sighting::new(origin, origin, 0.0, 800.0, [1.0, 0.0, 1.0]).unwrap();
+            let at = camera.compare(&camera.sees(&hand), &hand, &ball, &sighting).unwrap();
+            let of_camera = camera.sensitivity(&at);
+            // a step of about 4 px either way
+            let size = if (POSE..POSE + 3).contains(&unknown) { 0.01 } else { [0.005, 4.0][usize::from((9..11).contains(&unknown))] };
+            let picture = |sign: f32| {
+                let (mut camera, mut hand) = (camera, hand);
+                if unknown < POSE {
+                    let mut step = [0.0; POSE];
+                    step[unknown] = sign * size;
+                    let [x, y, z, a, b, c] = step;
+                    hand.translation += Vector3::new(x, y, z);
+                    hand.rotation = so3::exp(&Vector3::new(a, b, c)) * hand.rotation;
+                } else {
+                    let mut step = [0.0; CAMERA];
+                    step[unknown - POSE] = sign * size;
+                    assert!(camera.step(&step));
+                }
+                seen(&camera, &hand, &ball)
+            };
+            let change = (picture(1.0) - picture(-1.0)) / (2.0 * size);
+            for axis in 0..2 {
+                let expected = if unknown < POSE { at.pose[axis][unknown] } else { of_camera[axis][unknown - POSE] };
+                let tolerance = 0.01 * expected.abs() + 0.02 / size;
+                prop_assert!((change[axis] - expected).abs() < tolerance, "{unknown}: {} {expected}", change[axis]);
+            }
+        }
+
+        #[test]
+        fn a_new_world_changes_no_picture((camera, hand) in camera(), latched in pose(1.0, 0.2)) {
+            let mut moved = camera;
+            moved.change_world(&latched);
+            let in_new = latched.inverse().compose(&hand);
+            prop_assert!(difference(&moved.sees(&in_new), &camera.sees(&hand)) < 1e-5);
+            prop_assert!(difference(&moved.places(&moved.sees(&in_new)), &in_new) < 1e-5);
+        }
+
+        #[test]
+        fn another_focal_length_leaves_the_pivot_where_it_is_seen((camera, hand) in camera(), change in -0.2_f32..0.2) {
+            let pivot = Vector3::repeat(0.02);
+            let mut zoomed = camera;
+            prop_assert!(zoomed.step(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, change]));
+            prop_assert!((zoomed.focal_px() / 800.0 - libm::expf(change)).abs() < 1e-5);
+            prop_assert!((seen(&zoomed, &hand, &pivot) - seen(&camera, &hand, &pivot)).norm() < 0.01);
+        }
+    }
+
+    const POSE: usize = 6;
+    const POSE_AND_CAMERA: usize = POSE + CAMERA;
+
+    #[test]
+    fn steps_that_are_not_small_are_refused() {
+        let hand = Pose { rotation: Matrix3::identity(), translation: Vector3::new(0.0, 0.0, 1.0) };
+        let camera = Camera::new(&hand, &Pose::identity(), &Vector3::zeros(), 800.0);
+        for (unknown, size) in [(0, 0.6), (5, -0.6), (6, 0.6), (3, f32::NAN)] {
+            let (mut stepped, mut by) = (camera, [0.0; CAMERA]);
+            by[unknown] = size;
+            assert!(!stepped.step(&by));
+            assert_eq!(stepped, camera);
+        }
+    }
+}

@@ -27,7 +27,7 @@ const LAG_FRAMES: f32 = 1.0 / NEWEST - 0.5;
 const MEMORY: f32 = 60.0;
 
 /// A hand's acceleration before it was seen to move, m/s^2 and rad/s^2.
-const FIRST_ACCELERATION: Vector2<f32> = Vector2::new(1.0, 2.0);
+const FIRST_ACCELERATION: Vector2<f32> = Vector2::new(0.5, 1.0);
 
 /// Its speed, m/s and rad/s.
 const FIRST_SPEED: Vector2<f32> = Vector2::new(0.1, 0.3);

@@ -31,21 +31,31 @@ use crate::hand::perspective::{Sighting, Sightings, picture};
 use crate::hand::report::HandReport;
 use crate::hand::state::PoseState;
 use crate::hand::view::{CameraModel, HandView};
-use crate::observation::{BALLS, Ball, ImageCovariance, Observation};
+use crate::observation::{BALLS, Ball, ImageCovariance, Observation, ObservationState};
 use calibration::Calibration;
 use camera::Camera;
 use course::{Course, turned_covariance};
-use nalgebra::Vector3;
+use nalgebra::{Cholesky, Vector3};
 use solve::{Cameras, Fit, Seen, solve};
 
 #[cfg(test)]
 mod tests;
 
 /// How many of the balls of a frame may be left out as wrong before a whole view is doubted.
-const MAX_WRONG: u32 = 2;
+const MAX_WRONG: usize = 2;
+
+/// Equations less unknowns from which on a ball that is not where it should be shows: seven balls.
+const REDUNDANT: f32 = 8.0;
+
+/// The share of the rim from which on a ball counts as seen whole.
+const CLEAR: f32 = 0.75;
 
 /// Frames over which the noise of the centres is judged.
 const NOISE_MEMORY: f32 = 32.0;
+
+/// The least that is left of the standard deviations that centres come with, however well they fit:
+/// what they have in common does not show in what is left of them.
+const MIN_NOISE: f32 = 0.5;
 
 /// The most that centres are taken for worse than they say, in standard deviations.
 const MAX_NOISE: f32 = 100.0;
@@ -63,6 +73,8 @@ pub struct PoseTracker {
     /// The pose since engage of the world's origin: the identity, but for cameras latched anew on
     /// the way.
     engage_from_world: Pose,
+    /// Which balls were half hidden in this frame.
+    hidden: [[bool; BALLS]; MAX_VIEWS],
     /// How many times worse than they say the centres are, variances.
     noise_square: f32,
     /// What was measured in the last frame, if its pose was.
@@ -97,6 +109,7 @@ impl PoseTracker {
             calibration: Calibration::new(0),
             course: None,
             engage_from_world: Pose::identity(),
+            hidden: [[false; BALLS]; MAX_VIEWS],
             noise_square: 1.0,
             last: None,
             refused: 0,
@@ -228,8 +241,10 @@ impl PoseTracker {
         let mut seen: Seen = [[None; BALLS]; MAX_VIEWS];
         let views = views.iter().take(MAX_VIEWS);
         self.calibration.expect_views(views.len());
-        for ((view, sightings), model) in views.zip(&mut seen).zip(&mut self.models) {
+        let places = views.zip(&mut seen).zip(&mut self.models).zip(&mut self.hidden);
+        for (((view, sightings), model), hidden) in places {
             *model = Some(view.camera);
+            *hidden = view.balls.map(|ball| ball.state == ObservationState::Occluded || ball.visible < CLEAR);
             *sightings = view.balls.map(|ball| sighting(&ball, &view.camera, &self.config.pose));
         }
         seen
@@ -247,42 +262,71 @@ impl PoseTracker {
                 *sightings = [None; BALLS];
             }
         }
-        self.consistent(&known, &expected, &expected).or_else(|| {
+        let solved = self.consistent(&known, &expected, &expected).or_else(|| {
             // the hand is not where it was expected: from where each complete view sees it
-            let starts = cameras.iter().zip(&known).filter_map(|(camera, sightings)| {
+            let mut starts = cameras.iter().zip(&known).filter_map(|(camera, sightings)| {
                 let camera = camera.as_ref()?;
                 let hand = posit(&complete(sightings)?, camera.focal_px(), self.arms)?;
                 Some(camera.places(&hand))
             });
-            let mut starts = starts;
             starts.find_map(|start| self.consistent(&known, &start, &expected))
-        })
+        })?;
+        if self.is_likely(&solved.fit, course, t_us) {
+            return Some(solved);
+        }
+        // a leap is believed where balls seen whole show it; those half hidden may have feigned it
+        let mut clear = known;
+        for ((sightings, hidden), fitted) in clear.iter_mut().zip(&self.hidden).zip(&solved.seen) {
+            for ((sighting, hidden), fitted) in sightings.iter_mut().zip(hidden).zip(fitted) {
+                if *hidden || fitted.is_none() {
+                    *sighting = None;
+                }
+            }
+        }
+        if clear == solved.seen { Some(solved) } else { self.consistent(&clear, &expected, &expected) }
+    }
+
+    /// Whether a pose may follow from the movement before it. After a while unseen any may, if there
+    /// are balls enough for a wrong one to show.
+    fn is_likely(&self, fit: &Fit, course: &Course, t_us: u64) -> bool {
+        let config = self.pose_config();
+        if course.age_us(t_us) > config.predict_us {
+            return fit.freedom >= REDUNDANT;
+        }
+        let leap = solve::difference(&fit.pose, &course.pose_at(t_us, config));
+        let covariance = fit.covariance + course.covariance_at(t_us, config);
+        let square = Cholesky::new(covariance).map_or(0.0, |factor| leap.dot(&factor.solve(&leap)));
+        square < 6.0 * config.leap_sigmas * config.leap_sigmas
     }
 
     /// The pose from a start, without the balls or the view that contradict the others.
     fn consistent(&self, seen: &Seen, start: &Pose, expected: &Pose) -> Option<Solved> {
-        let whole = self.fit(start, seen)?;
-        if wrong_balls(&whole) == 0 {
-            return Some(Solved { fit: whole, seen: *seen, excluded: None });
-        }
-        if wrong_balls(&whole) <= MAX_WRONG {
-            let rest = without_wrong(seen, &whole);
-            if let Some(fit) = self.fit(&whole.pose, &rest).filter(|fit| wrong_balls(fit) == 0) {
+        let mut rest = *seen;
+        let mut from = *start;
+        for _ in 0..=MAX_WRONG {
+            let Some(fit) = self.fit(&from, &rest) else { break };
+            if is_sound(&fit) {
                 return Some(Solved { fit, seen: rest, excluded: None });
             }
+            // without the ball that is farthest off: it draws others after it
+            let Some((view, ball)) = fit.worst else { break };
+            if let Some(sighting) = rest.get_mut(view).and_then(|sightings| sightings.get_mut(ball)) {
+                *sighting = None;
+            }
+            from = fit.pose;
         }
         // one camera contradicts the others: the one without which the hand is nearest to where it
         // was expected
         let mut best: Option<(f32, Solved)> = None;
-        for (view, fitted) in whole.views.iter().enumerate() {
-            if fitted.balls == 0 {
+        for (view, sightings) in seen.iter().enumerate() {
+            if sightings.iter().all(Option::is_none) {
                 continue;
             }
             let mut rest = *seen;
             if let Some(sightings) = rest.get_mut(view) {
                 *sightings = [None; BALLS];
             }
-            let Some(fit) = self.fit(start, &rest).filter(|fit| wrong_balls(fit) == 0) else { continue };
+            let Some(fit) = self.fit(start, &rest).filter(is_sound) else { continue };
             let off = self.unlikelihood(&fit.pose, expected);
             if best.as_ref().is_none_or(|(least, _)| off < *least) {
                 best = Some((off, Solved { fit, seen: rest, excluded: Some(view) }));
@@ -322,7 +366,8 @@ impl PoseTracker {
         let mut anchor: Seen = [[None; BALLS]; MAX_VIEWS];
         let views = single.iter().zip(seen).zip(&mut anchor).zip(&self.models).enumerate();
         for (view, (((found, sightings), anchor), model)) in views {
-            if let (Some(camera_from_hand), Some(model)) = (found, model) {
+            if let (Some((camera_from_hand, mean_square)), Some(model)) = (found, model) {
+                self.noise_square = self.noise_square.max(mean_square.min(MAX_NOISE * MAX_NOISE));
                 *anchor = *sightings;
                 let nominal = model.focal_px;
                 let origin = Pose::identity();
@@ -338,8 +383,9 @@ impl PoseTracker {
         Some(Solved { fit, seen: anchor, excluded: None })
     }
 
-    /// camera_from_hand from one view alone; `None` unless it shows all four balls as such a hand would.
-    fn single_view(&self, sightings: &Sightings, focal_px: f32) -> Option<Pose> {
+    /// camera_from_hand from one view alone, and how many times worse than they say its centres are;
+    /// `None` unless it shows all four balls about as such a hand would.
+    fn single_view(&self, sightings: &Sightings, focal_px: f32) -> Option<(Pose, f32)> {
         let start = posit(&complete(sightings)?, focal_px, self.arms)?;
         let camera = Camera::new(&start, &Pose::identity(), &Vector3::zeros(), focal_px);
         let mut cameras: Cameras = [None; MAX_VIEWS];
@@ -347,8 +393,13 @@ impl PoseTracker {
         if let (Some(first), Some(its)) = (cameras.first_mut(), seen.first_mut()) {
             (*first, *its) = (Some(camera), *sightings);
         }
-        let fit = solve(&Pose::identity(), &cameras, &seen, self.arms, self.noise(), self.pose_config())?;
-        (wrong_balls(&fit) == 0).then(|| camera.sees(&fit.pose))
+        // nothing to lean on but the four balls, all alike
+        let alone = PoseConfig { huber_sigmas: 1e6, prior_m: 10.0, prior_rad: 10.0, ..self.config.pose };
+        let fit = solve(&Pose::identity(), &cameras, &seen, self.arms, 1.0, &alone)?;
+        let fits = fit.settled && fit.rms_px() < self.config.pose.latch_px;
+        // two equations too many say little about small errors, and enough about those of pixels
+        let noise = if fit.rms_px() > self.config.pose.wrong_px { fit.mean_square() } else { 1.0 };
+        fits.then(|| (camera.sees(&fit.pose), noise))
     }
 
     /// What a solved frame tells of the cameras.
@@ -381,7 +432,7 @@ impl PoseTracker {
                 continue;
             }
             let focal_px = focal_px.filter(|_| moved == Some(view)).unwrap_or(model.focal_px);
-            let Some(camera_from_hand) = self.single_view(sightings, focal_px) else { continue };
+            let Some((camera_from_hand, _)) = self.single_view(sightings, focal_px) else { continue };
             self.calibration.add_camera(view, &camera_from_hand, &fit.pose, focal_px, focal_px, self.arms);
             if let Some(with) = with_joined.get_mut(view) {
                 *with = *sightings;
@@ -399,7 +450,7 @@ impl PoseTracker {
             // few equations say less
             let share = fit.freedom / (fit.freedom + 10.0 * NOISE_MEMORY);
             let next = self.noise_square * (1.0 + share * (fit.mean_square() - 1.0));
-            self.noise_square = next.clamp(1.0, MAX_NOISE * MAX_NOISE);
+            self.noise_square = next.clamp(MIN_NOISE * MIN_NOISE, MAX_NOISE * MAX_NOISE);
         }
     }
 
@@ -480,21 +531,9 @@ fn complete(sightings: &Sightings) -> Option<[nalgebra::Vector2<f32>; BALLS]> {
     Some([red.as_ref()?.x_px, green.as_ref()?.x_px, blue.as_ref()?.x_px, yellow.as_ref()?.x_px])
 }
 
-fn wrong_balls(fit: &Fit) -> u32 {
-    fit.views.iter().map(|view| view.wrong.count_ones()).sum()
-}
-
-/// What was measured, less the balls that a fit found wrong.
-fn without_wrong(seen: &Seen, fit: &Fit) -> Seen {
-    let mut rest = *seen;
-    for (sightings, fitted) in rest.iter_mut().zip(&fit.views) {
-        for (ball, sighting) in sightings.iter_mut().enumerate() {
-            if fitted.wrong & (1 << ball) != 0 {
-                *sighting = None;
-            }
-        }
-    }
-    rest
+/// Whether a fit came to an end with every ball near where it should be.
+fn is_sound(fit: &Fit) -> bool {
+    fit.settled && fit.wrong == 0
 }
 
 fn state_of(fit: &Fit) -> PoseState {

@@ -24,6 +24,10 @@ const MAX_STEPS: usize = 10;
 /// the square of a thirtieth of a standard deviation at most, and less since the steps shrink quickly.
 const LAST_STEP: f32 = 1e-2;
 
+/// What the last of [`MAX_STEPS`] may gain. With a ball that is far off the steps shrink slowly, since
+/// it is weighed anew each time; what came of them tells which ball it is.
+const POOR_STEP: f32 = 1e3;
+
 /// The cameras by their place in the list.
 pub type Cameras = [Option<Camera>; MAX_VIEWS];
 
@@ -35,8 +39,6 @@ pub type Seen = [Sightings; MAX_VIEWS];
 pub struct ViewFit {
     /// Balls that were compared.
     pub balls: u8,
-    /// Of them, how many stand too far off to be what they were taken for; one bit a ball.
-    pub wrong: u8,
     /// The sum of squares of measured less projected, px^2.
     pub squares_px: f32,
 }
@@ -60,6 +62,12 @@ pub struct Fit {
     pub squares: f32,
     /// Equations less unknowns.
     pub freedom: f32,
+    /// How many balls stand too far off to be what they were taken for.
+    pub wrong: u32,
+    /// The view and the ball that stands farthest off of those.
+    pub worst: Option<(usize, usize)>,
+    /// Whether the steps came to an end.
+    pub settled: bool,
     /// By camera.
     pub views: [ViewFit; MAX_VIEWS],
 }
@@ -130,6 +138,7 @@ pub fn solve(
         let mut squares = 0.0;
         let mut equations = 0.0;
         let mut views = [ViewFit::default(); MAX_VIEWS];
+        let (mut wrong, mut worst, mut farthest) = (0, None, 0.0);
         compare_all(&pose, cameras, seen, arms, |view, ball, _, at| {
             let square = at.residual.norm_squared() * weight;
             let distance = libm::sqrtf(square);
@@ -144,13 +153,16 @@ pub fn solve(
                 gradient += row * (trust * residual);
                 information += (row * trust) * row.transpose();
             }
+            let square_px = at.residual_px.norm_squared();
+            if distance > config.wrong_sigmas && square_px > config.wrong_px * config.wrong_px {
+                wrong += 1;
+                if distance > farthest {
+                    (farthest, worst) = (distance, Some((view, ball)));
+                }
+            }
             if let Some(fit) = views.get_mut(view) {
-                let square_px = at.residual_px.norm_squared();
                 fit.balls += 1;
                 fit.squares_px += square_px;
-                if distance > config.wrong_sigmas && square_px > config.wrong_px * config.wrong_px {
-                    fit.wrong |= 1 << ball;
-                }
             }
         });
         let factor = Cholesky::new(information)?;
@@ -162,10 +174,14 @@ pub fn solve(
         let [x, y, z, wx, wy, wz] = by.into();
         pose.translation += Vector3::new(x, y, z);
         pose.rotation = nearest_rotation_step(&(so3::exp(&Vector3::new(wx, wy, wz)) * pose.rotation));
-        if step > 0 && gain < LAST_STEP {
+        let settled = step > 0 && gain < LAST_STEP;
+        let last = step + 1 == MAX_STEPS && gain < POOR_STEP;
+        if settled || last {
+            let settled = settled || gain < 1.0;
             let covariance = factor.inverse();
             let finite = covariance.iter().chain(pose.translation.iter()).all(|x| x.is_finite());
-            let fit = Fit { pose, covariance, squares, freedom: equations - 6.0, views };
+            let fit =
+                Fit { pose, covariance, squares, freedom: equations - 6.0, wrong, worst, settled, views };
             return finite.then_some(fit);
         }
     }

@@ -90,14 +90,6 @@ impl SquareRoot {
         }
     }
 
-    /// Adds all that another one knows of the cameras.
-    pub fn insert_cameras_of(&mut self, other: &Self) {
-        for from in other.rows.iter().take(other.unknowns).skip(POSE) {
-            let mut row = *from;
-            self.insert(&mut row);
-        }
-    }
-
     /// Takes the pose out: what is left is what the equations tell of the cameras whatever it was.
     pub fn forget_pose(&mut self) {
         for row in self.rows.iter_mut().take(POSE) {
@@ -112,39 +104,30 @@ impl SquareRoot {
         }
     }
 
-    /// Takes one camera out, keeping what the equations tell of the others whatever it was.
+    /// Takes one camera out, keeping what the equations tell of the others whatever it was. The pose
+    /// must have been taken out before.
     pub fn forget_camera(&mut self, camera: usize) {
-        // the unknowns of this camera change places with the pose's and one more that is never told
-        // of, are taken out with them, and the rest is put back
-        let mut turned = Self { rows: [[0.0; UNKNOWNS + 1]; UNKNOWNS], unknowns: self.unknowns };
+        let empty = [0.0; UNKNOWNS + 1];
+        let unknowns = self.unknowns;
         let first = 1 + POSE + CAMERA * camera;
-        for from in self.rows.iter().take(self.unknowns) {
-            let mut row = [0.0; UNKNOWNS + 1];
+        // with this camera's unknowns in front, leaving out the first rows takes it out
+        let mut turned = Self { rows: [empty; UNKNOWNS], unknowns };
+        for from in self.rows.iter().take(unknowns) {
             let own = from.iter().skip(first).take(CAMERA);
             let before = from.iter().take(first).skip(1 + POSE);
-            let after = from.iter().take(self.unknowns + 1).skip(first + CAMERA);
-            // right hand side, the camera's seven, and the others where they end up one unknown
-            // later than the pose's six leave them; the pose is known to be out
-            let others = before.chain(after);
-            let values = from.iter().take(1).chain(own).chain(others);
-            for (to, value) in row.iter_mut().zip(values) {
+            let after = from.iter().take(unknowns + 1).skip(first + CAMERA);
+            let mut row = empty;
+            for (to, value) in row.iter_mut().zip(from.iter().take(1).chain(own).chain(before).chain(after)) {
                 *to = *value;
             }
             turned.insert(&mut row);
         }
-        let kept = turned;
-        *self = Self { rows: [[0.0; UNKNOWNS + 1]; UNKNOWNS], unknowns: kept.unknowns };
-        for from in kept.rows.iter().take(kept.unknowns).skip(CAMERA) {
-            let mut row = [0.0; UNKNOWNS + 1];
-            let right = from.iter().take(1);
-            let others = from.iter().skip(1 + CAMERA);
-            for (to, value) in row.iter_mut().zip(right) {
-                *to = *value;
-            }
-            // the camera's own places stay zero
-            let places = 1 + POSE..first;
-            let places = places.chain(first + CAMERA..kept.unknowns + 1);
-            for (place, value) in places.zip(others) {
+        *self = Self { rows: [empty; UNKNOWNS], unknowns };
+        for from in turned.rows.iter().take(unknowns).skip(CAMERA) {
+            let mut row = empty;
+            let places = (0..1).chain(1 + POSE..first).chain(first + CAMERA..unknowns + 1);
+            let values = from.iter().take(1).chain(from.iter().skip(1 + CAMERA));
+            for (place, value) in places.zip(values) {
                 if let Some(to) = row.get_mut(place) {
                     *to = *value;
                 }
@@ -199,5 +182,134 @@ impl SquareRoot {
             rest = tail;
         }
         covariance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{SMatrix, SVector};
+    use std::vec::Vec;
+
+    /// Two cameras: 6 + 14 unknowns.
+    const N: usize = POSE + 2 * CAMERA;
+
+    /// Equations with seeded factors.
+    fn equations(count: usize, seed: u32) -> Vec<(SVector<f64, N>, f64)> {
+        let mut state = seed;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 23) - 1.0
+        };
+        (0..count).map(|_| (SVector::from_fn(|_, _| next()), next())).collect()
+    }
+
+    fn insert(into: &mut SquareRoot, equations: &[(SVector<f64, N>, f64)]) {
+        for (factors, right) in equations {
+            let mut row: Row = [0.0; UNKNOWNS + 1];
+            row[0] = *right as f32;
+            for (to, factor) in row[1..].iter_mut().zip(factors.iter()) {
+                *to = *factor as f32;
+            }
+            into.insert(&mut row);
+        }
+    }
+
+    /// The solution and the covariance by normal equations in double precision.
+    fn reference(equations: &[(SVector<f64, N>, f64)]) -> (SVector<f64, N>, SMatrix<f64, N, N>) {
+        let mut information = SMatrix::<f64, N, N>::zeros();
+        let mut right = SVector::<f64, N>::zeros();
+        for (factors, value) in equations {
+            information += factors * factors.transpose();
+            right += factors * *value;
+        }
+        let covariance = information.try_inverse().unwrap();
+        (covariance * right, covariance)
+    }
+
+    #[test]
+    fn the_solution_is_that_of_the_normal_equations() {
+        let told = equations(60, 1);
+        let mut known = SquareRoot::new(2);
+        insert(&mut known, &told);
+        let (solution, covariance) = reference(&told);
+        for (value, expected) in known.solve_cameras().as_flattened().iter().zip(solution.iter().skip(POSE)) {
+            assert!((f64::from(*value) - expected).abs() < 1e-4, "{value} {expected}");
+        }
+        // six quantities that depend on the cameras
+        let factors = equations(6, 2);
+        let mut columns = [Vector6::zeros(); CAMERA * MAX_VIEWS];
+        for (k, (of, _)) in factors.iter().enumerate() {
+            for (column, factor) in columns.iter_mut().zip(of.iter().skip(POSE)) {
+                column[k] = *factor as f32;
+            }
+        }
+        let spread = known.spread(&mut columns);
+        for (a, (left, _)) in factors.iter().enumerate() {
+            for (b, (right, _)) in factors.iter().enumerate() {
+                let (mut left, mut right) = (*left, *right);
+                left.fixed_rows_mut::<POSE>(0).fill(0.0);
+                right.fixed_rows_mut::<POSE>(0).fill(0.0);
+                let expected = (left.transpose() * covariance * right)[0];
+                assert!((f64::from(spread[(a, b)]) - expected).abs() < 1e-4, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_shifted_origin_moves_the_solution_and_nothing_else() {
+        let mut known = SquareRoot::new(2);
+        insert(&mut known, &equations(60, 3));
+        let before = known.solve_cameras();
+        known.shift_cameras(&before);
+        assert!(known.solve_cameras().as_flattened().iter().all(|x| x.abs() < 1e-5));
+    }
+
+    #[test]
+    fn what_is_taken_out_leaves_the_rest_as_it_was() {
+        let told = equations(60, 4);
+        let (solution, covariance) = reference(&told);
+        let mut known = SquareRoot::new(2);
+        insert(&mut known, &told);
+        known.forget_pose();
+        known.forget_camera(0);
+        let after = known.solve_cameras();
+        assert_eq!(after[0], [0.0; CAMERA]);
+        for (value, expected) in after[1].iter().zip(solution.iter().skip(POSE + CAMERA)) {
+            assert!((f64::from(*value) - expected).abs() < 1e-4, "{value} {expected}");
+        }
+        let mut columns = [Vector6::zeros(); CAMERA * MAX_VIEWS];
+        for (k, column) in columns.iter_mut().skip(CAMERA).take(6).enumerate() {
+            column[k] = 1.0;
+        }
+        let spread = known.spread(&mut columns);
+        let block = covariance.fixed_view::<6, 6>(POSE + CAMERA, POSE + CAMERA);
+        assert!((spread.cast::<f64>() - block).amax() < 1e-4);
+
+        // the other one, from a fresh start: its place is in the middle of the row
+        let mut known = SquareRoot::new(2);
+        insert(&mut known, &told);
+        known.forget_pose();
+        known.forget_camera(1);
+        let after = known.solve_cameras();
+        assert_eq!(after[1], [0.0; CAMERA]);
+        for (value, expected) in after[0].iter().zip(solution.iter().skip(POSE)) {
+            assert!((f64::from(*value) - expected).abs() < 1e-4, "{value} {expected}");
+        }
+    }
+
+    #[test]
+    fn fading_widens_and_moves_nothing() {
+        let mut known = SquareRoot::new(2);
+        insert(&mut known, &equations(60, 5));
+        let mut columns = [Vector6::zeros(); CAMERA * MAX_VIEWS];
+        columns[3][0] = 1.0;
+        let (before, of_before) = (known.solve_cameras(), known.spread(&mut columns.clone())[(0, 0)]);
+        known.fade(0.5);
+        let (after, of_after) = (known.solve_cameras(), known.spread(&mut columns)[(0, 0)]);
+        for (a, b) in before.as_flattened().iter().zip(after.as_flattened()) {
+            assert!((a - b).abs() < 1e-5);
+        }
+        assert!((of_after / of_before - 4.0).abs() < 1e-3);
     }
 }

@@ -1,7 +1,6 @@
 //! Simulated pinhole cameras with known truth and noisy centres.
 
 use super::*;
-use crate::observation::ObservationState;
 use nalgebra::{Matrix3, Rotation3};
 use std::vec::Vec;
 use std::{eprintln, vec};
@@ -326,5 +325,273 @@ fn degraded_states_are_named_and_honest() {
         }
         assert_eq!(tally.states.len(), 5);
         is_honest(&tally);
+    }
+}
+
+/// A tracker that has seen `frames` of a movement, and the noise it goes on with.
+fn after(eyes: &[Eye], path: fn(f64) -> Hand, frames: usize) -> (PoseTracker, Noise) {
+    let mut noise = Noise(5);
+    let mut tracker = PoseTracker::new(crate::hand::synthetic::arms(), HandConfig::default());
+    for frame in 0..frames {
+        see(&mut tracker, eyes, &path(frame as f64 / 30.0), frame, &mut noise);
+    }
+    (tracker, noise)
+}
+
+fn see(tracker: &mut PoseTracker, eyes: &[Eye], hand: &Hand, frame: usize, noise: &mut Noise) -> HandReport {
+    let views: Vec<HandView> = eyes.iter().map(|eye| view(eye, hand, 0.03, noise)).collect();
+    tracker.update(&views, frame as u64 * 33_333)
+}
+
+fn error_mm(first: &Hand, now: &Hand, report: &HandReport) -> f64 {
+    let pose = report.pose.expect("a pose");
+    errors(first, now, &pose).fixed_rows::<3>(0).norm() * 1e3
+}
+
+#[test]
+fn a_hand_that_comes_back_after_ten_minutes_is_where_it_was() {
+    for seed in 0..3 {
+        let eyes = pair(30.0);
+        let mut noise = Noise(seed);
+        let mut tracker = PoseTracker::new(crate::hand::synthetic::arms(), HandConfig::default());
+        let mut worst = 0.0_f64;
+        for frame in 0..18_000 {
+            let hand = demo(frame as f64 / 30.0);
+            let report = see(&mut tracker, &eyes, &hand, frame, &mut noise);
+            worst = worst.max(error_mm(&demo(0.0), &hand, &report));
+        }
+        // and at rest for a second where it began
+        for frame in 18_000..18_030 {
+            let report = see(&mut tracker, &eyes, &demo(0.0), frame, &mut noise);
+            let error = error_mm(&demo(0.0), &demo(0.0), &report);
+            assert!(error < 0.3, "{error} mm");
+        }
+        assert!(worst < 0.6, "{worst} mm on the way");
+    }
+}
+
+#[test]
+fn cameras_thirty_to_a_hundred_and_twenty_degrees_apart() {
+    for half_deg in [15.0, 30.0, 45.0, 60.0] {
+        let tally = run("apart", &pair(half_deg), demo, 300, 0.03, 4, untouched);
+        holds(&tally, 1.5, 0.6, 0.3);
+        is_honest(&tally);
+    }
+}
+
+#[test]
+fn one_camera_alone_gives_the_whole_pose() {
+    for path in [linear, circular] {
+        for nominal in [800.0, 880.0, 720.0] {
+            let mut eye = Eye::looking(-30.0, 12.0, 1.0);
+            eye.nominal = nominal;
+            let tally = run("one camera", &[eye], path, 300, 0.02, 6, untouched);
+            holds(&tally, 6.0, 1.5, 1.0);
+            is_honest(&tally);
+        }
+    }
+}
+
+#[test]
+fn eight_cameras_are_better_than_two() {
+    let ring = |count: usize| -> Vec<Eye> {
+        (0..count).map(|i| Eye::looking(-60.0 + 17.0 * i as f64, 12.0 + 5.0 * (i % 3) as f64, 1.0)).collect()
+    };
+    let of = |count| {
+        let tally = run("ring", &ring(count), demo, 200, 0.03, 1, untouched);
+        is_honest(&tally);
+        tally.sum / tally.n as f64
+    };
+    assert!(of(8) < 0.8 * of(2));
+}
+
+#[test]
+fn a_wrong_ball_is_left_out() {
+    let wrong = |frame: usize, views: &mut [HandView]| {
+        if frame % 20 > 10 {
+            views[1].balls[Ball::Green.index()].centre.u += 12.0;
+        }
+    };
+    let tally = run("wrong ball", &pair(30.0), demo, 300, 0.03, 4, wrong);
+    holds(&tally, 1.0, 0.3, 0.3);
+    assert!(tally.states.contains_key(&PoseState::Three), "and the state says so");
+    is_honest(&tally);
+}
+
+#[test]
+fn a_camera_that_was_moved_is_left_out_and_latched_anew() {
+    let mut eyes = pair(30.0);
+    let (mut tracker, mut noise) = after(&eyes, demo, 90);
+    // knocked by two degrees
+    eyes[1].rotation = about(Vector3::new(1.0, 2.0, 0.5), 2.0) * eyes[1].rotation;
+    let mut states = vec![];
+    for frame in 90..300 {
+        let hand = demo(frame as f64 / 30.0);
+        let report = see(&mut tracker, &eyes, &hand, frame, &mut noise);
+        states.push(report.state);
+        let error = error_mm(&demo(0.0), &hand, &report);
+        assert!(error < 3.0, "frame {frame}, {}: {error} mm", report.state.name());
+    }
+    let patience = HandConfig::default().pose.relatch_frames as usize;
+    assert!(states[..patience].iter().all(|state| *state == PoseState::One));
+    assert!(states[patience + 1..].iter().all(|state| *state == PoseState::Both));
+}
+
+#[test]
+fn a_camera_that_joins_later_is_latched_from_the_pose_of_the_others() {
+    let late = |frame: usize, views: &mut [HandView]| {
+        if frame < 100 {
+            hide(views, 1, &Ball::ALL);
+        }
+    };
+    let tally = run("late", &pair(30.0), demo, 400, 0.03, 4, late);
+    assert!(tally.states.contains_key(&PoseState::Both) && tally.states.contains_key(&PoseState::One));
+    is_honest(&tally);
+}
+
+#[test]
+fn engage_tells_the_pose_from_where_the_hand_is() {
+    let eyes = pair(30.0);
+    let (mut tracker, mut noise) = after(&eyes, demo, 100);
+    let latched = demo(99.0 / 30.0);
+    tracker.engage();
+    assert_eq!(tracker.engagements(), 1);
+    for frame in 100..300 {
+        let hand = demo(frame as f64 / 30.0);
+        let report = see(&mut tracker, &eyes, &hand, frame, &mut noise);
+        let error = error_mm(&latched, &hand, &report);
+        assert!(error < 0.6, "frame {frame}: {error} mm");
+        assert_eq!(report.motion.map(|motion| (motion.engagements, motion.spans)), Ok((1, 1)));
+    }
+}
+
+#[test]
+fn engage_with_the_hand_unseen_waits_for_it() {
+    let eyes = pair(30.0);
+    let mut tracker = PoseTracker::new(crate::hand::synthetic::arms(), HandConfig::default());
+    tracker.engage();
+    assert_eq!(tracker.engagements(), 0);
+    let mut noise = Noise(3);
+    let report = see(&mut tracker, &eyes, &demo(3.0), 0, &mut noise);
+    let motion = report.motion.unwrap();
+    assert_eq!((motion.engagements, motion.spans, report.pose), (1, 0, Some(Pose::identity())));
+    let mut hidden: Vec<HandView> = eyes.iter().map(|eye| view(eye, &demo(3.0), 0.03, &mut noise)).collect();
+    hide(&mut hidden, 0, &Ball::ALL);
+    hide(&mut hidden, 1, &Ball::ALL);
+    let report = tracker.update(&hidden, 33_333);
+    assert_eq!(report.motion, Err(MotionRefusal::BallMissing { view: 0, ball: Ball::Red }));
+    tracker.engage();
+    assert_eq!(tracker.engagements(), 1);
+    let report = see(&mut tracker, &eyes, &demo(4.0), 2, &mut noise);
+    let motion = report.motion.unwrap();
+    assert_eq!((motion.engagements, motion.spans, motion.since_engage), (2, 2, Pose::identity()));
+    assert!(motion.alpha.norm() > 0.005, "the increment still tells what was moved");
+}
+
+#[test]
+fn increments_add_up_to_the_pose() {
+    let eyes = pair(30.0);
+    let (mut tracker, mut noise) = after(&eyes, demo, 60);
+    let mut sum = see(&mut tracker, &eyes, &demo(2.0), 60, &mut noise).pose.unwrap();
+    for frame in 61..120 {
+        let report = see(&mut tracker, &eyes, &demo(frame as f64 / 30.0), frame, &mut noise);
+        let motion = report.motion.unwrap();
+        sum = sum.compose(&motion.increment());
+        assert!((sum.translation - motion.since_engage.translation).norm() < 1e-5);
+        assert_eq!(Some(motion.since_engage), report.pose);
+    }
+}
+
+#[test]
+fn balls_are_expected_where_they_will_be_also_in_a_blind_camera() {
+    let eyes = pair(30.0);
+    let (mut tracker, mut noise) = after(&eyes, slow, 120);
+    for frame in 120..180 {
+        let hand = slow(frame as f64 / 30.0);
+        let truth: Vec<HandView> = eyes.iter().map(|eye| view(eye, &hand, 0.0, &mut noise)).collect();
+        for (camera, truth) in truth.iter().enumerate() {
+            let expected = tracker.predict(camera, frame as u64 * 33_333);
+            for (expected, truth) in expected.iter().zip(&truth.balls) {
+                let off = expected.expect("a place").distance(truth.centre);
+                assert!(off < 2.0, "frame {frame}, camera {camera}: {off} px");
+            }
+        }
+        let mut views: Vec<HandView> = eyes.iter().map(|eye| view(eye, &hand, 0.03, &mut noise)).collect();
+        hide(&mut views, 0, &Ball::ALL);
+        assert_eq!(tracker.update(&views, frame as u64 * 33_333).state, PoseState::One);
+    }
+    assert_eq!(tracker.predict(2, 180 * 33_333), [None; BALLS]);
+    assert_eq!(tracker.predict(0, 1 << 40), [None; BALLS], "too long ago");
+}
+
+#[test]
+fn a_hand_at_rest_does_not_creep() {
+    let eyes = pair(30.0);
+    let (mut tracker, mut noise) = after(&eyes, demo, 200);
+    let hand = demo(200.0 / 30.0);
+    let settled = see(&mut tracker, &eyes, &hand, 200, &mut noise);
+    let focal = tracker.focal_px(0);
+    for frame in 201..800 {
+        let report = see(&mut tracker, &eyes, &hand, frame, &mut noise);
+        let off = (report.pose.unwrap().translation - settled.pose.unwrap().translation).norm();
+        assert!(off < 0.3e-3, "{off} m");
+    }
+    // a frame or two may have been learnt from on the way to where it stopped, no more
+    let change = (tracker.focal_px(0).unwrap() - focal.unwrap()).abs();
+    assert!(change < 4.0, "{change} px");
+}
+
+#[test]
+fn centres_that_are_worse_than_they_say_are_found_out() {
+    let liar = |_: usize, views: &mut [HandView]| {
+        for ball in views.iter_mut().flat_map(|view| &mut view.balls) {
+            ball.covariance = ImageCovariance::isotropic(0.02);
+        }
+    };
+    let tally = run("liar", &pair(30.0), demo, 600, 0.1, 3, liar);
+    is_honest(&tally);
+}
+
+mod any_input {
+    use super::*;
+    use crate::hand::synthetic::number;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn is_taken_or_refused(
+            values in prop::collection::vec(number(), 6 * 24),
+            states in prop::collection::vec(0_u8..4, 24),
+            focal_px in number(),
+        ) {
+            let eyes = pair(30.0);
+            let (mut tracker, _) = after(&eyes, demo, 3);
+            for (frame, (values, states)) in values.chunks(48).zip(states.chunks(8)).enumerate() {
+                let views: Vec<HandView> = values
+                    .chunks(24)
+                    .zip(states.chunks(4))
+                    .map(|(values, states)| HandView {
+                        balls: core::array::from_fn(|i| {
+                            let v = &values[6 * i..];
+                            Observation {
+                                state: [ObservationState::Visible, ObservationState::Occluded,
+                                    ObservationState::Visible, ObservationState::Lost][usize::from(states[i])],
+                                centre: ImagePoint::new(v[0], v[1]),
+                                diameter: v[2],
+                                covariance: ImageCovariance { uu: v[3], uv: v[4], vv: v[5] },
+                                visible: 1.0,
+                            }
+                        }),
+                        camera: CameraModel { width: 640, height: 480, focal_px },
+                    })
+                    .collect();
+                let report = tracker.update(&views, (frame as u64 + 3) * 33_333);
+                if let Some(pose) = report.pose {
+                    prop_assert!(pose.translation.iter().chain(pose.rotation.iter()).all(|x| x.is_finite()));
+                    prop_assert!(report.covariance.unwrap().iter().all(|x| x.is_finite()));
+                }
+                tracker.engage();
+            }
+        }
     }
 }
