@@ -320,6 +320,9 @@ impl TrackerConfig {
         if !(1.0..=64.0).contains(&s.global_budget) {
             return Err(ConfigError::Budget);
         }
+        if !self.centre.is_usable() {
+            return Err(ConfigError::Tolerance);
+        }
         let (h, o, v) = (&self.shape, &self.occlusion, &self.validation);
         let tolerances = [
             h.min_diameter,

@@ -82,11 +82,43 @@ impl CentreConfig {
     }
 }
 
+impl CentreConfig {
+    /// Whether every number is finite and none negative.
+    pub(super) fn is_usable(&self) -> bool {
+        let numbers = [
+            self.settled_pixels,
+            self.near_pixels,
+            self.blur_share,
+            self.most_blur,
+            self.round,
+            self.clear_visible,
+            self.share_slack,
+            self.warm_pixels,
+            self.warm_share,
+            self.known_range,
+            self.unknown_range,
+            self.radius_share,
+            self.radius_pixels,
+            self.unknown_share,
+            self.harmonic_share,
+            self.least_visible,
+            self.whole_visible,
+            self.floor_pixels,
+            self.inflation,
+            self.hidden_inflation,
+        ];
+        numbers.iter().all(|x| x.is_finite() && *x >= 0.0)
+            && (0..=8).contains(&self.inside_pixels)
+            && (2..=8).contains(&self.outside_pixels)
+            && self.passes >= 1
+    }
+}
+
 impl Default for CentreConfig {
     fn default() -> Self {
         Self {
             mode: CentreMode::Refined,
-            passes: 3,
+            passes: 5,
             settled_pixels: 0.5,
             near_pixels: 1.0,
             inside_pixels: 2,

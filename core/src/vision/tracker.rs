@@ -14,7 +14,7 @@ use super::frame::FrameView;
 use super::locate::{Doubtful, Find, Finds, Locator, places};
 use super::occlusion::{Seen, centre_behind, centre_beyond_the_edge, is_hidden_by, touch};
 use super::reacquire::{Places, stray, suggested};
-use super::rim::{RimMemory, Sought, find_rim};
+use super::rim::{RimMemory, Sought, aspect_of_pixels, find_rim};
 use super::search::Region;
 pub use super::track::Mode;
 use super::track::{BallTrack, Tracks};
@@ -290,12 +290,13 @@ impl CameraTracker {
         }
         for (find, track) in finds.iter_mut().zip(&mut self.tracks) {
             let (Some(find), Some(track)) = (find, track) else { continue };
+            let learnt = track.appearance.learnt();
             let sought = Sought {
                 blob: &find.blob,
                 matcher: &find.matcher,
                 memory: track.rim.as_ref(),
                 diameter: track.clean.diameter,
-                aspect: track.appearance.learnt().aspect,
+                aspect: aspect_of_pixels(learnt.aspect, learnt.diameter),
                 speed: track.moved(t_us, find.blob.centre),
             };
             if let Ok(rim) = find_rim(frame, &sought, c, tested) {

@@ -13,7 +13,7 @@ use tetrad_core::vision::colour::Primary;
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
 use tetrad_core::vision::learn::learn;
 use tetrad_core::vision::tracker::{CameraTracker, StepReport};
-use tetrad_fixtures::{BallTruth, Scene};
+use tetrad_fixtures::{BallTruth, Scene, to_format};
 
 /// A scene by name.
 pub(crate) fn scene(name: &str) -> Scene {
@@ -57,14 +57,27 @@ impl Tracked {
     }
 }
 
-/// Tracks every frame of one camera, in order.
-pub(crate) fn track(scene: &Scene, camera: usize, mut each: impl FnMut(&Tracked)) {
-    let mut rgb = Vec::new();
-    scene.render_rgb(0, camera, &mut rgb);
-    let mut tracker = taught(&view(scene, &rgb), &scene.truth(0, camera));
+/// Tracks every frame of one camera, in order, in `paper` mode.
+pub(crate) fn track(scene: &Scene, camera: usize, each: impl FnMut(&Tracked)) {
+    track_as(scene, camera, TrackerConfig::paper(), PixelFormat::Rgb888, each);
+}
+
+/// The same in any mode and format.
+pub(crate) fn track_as(
+    scene: &Scene,
+    camera: usize,
+    config: TrackerConfig,
+    format: PixelFormat,
+    mut each: impl FnMut(&Tracked),
+) {
+    let (mut rgb, mut tracker) = (Vec::new(), None);
     for frame in 0..scene.frames() {
         scene.render_rgb(frame, camera, &mut rgb);
-        let report = tracker.step(&view(scene, &rgb), time_us(scene, frame), &[None; BALLS]);
+        let bytes = to_format(&rgb, scene.width, scene.height, format);
+        let view = FrameView::packed(&bytes, scene.width, scene.height, format);
+        let view = view.expect("a rendered frame is whole");
+        let tracker = tracker.get_or_insert_with(|| taught_with(&view, &scene.truth(frame, camera), config));
+        let report = tracker.step(&view, time_us(scene, frame), &[None; BALLS]);
         each(&Tracked { frame, truth: scene.truth(frame, camera), report });
     }
 }

@@ -34,6 +34,12 @@ pub use scan::{MAX_SCAN_PIXELS, MAX_SCANS};
 use scan::{Reach, Scanner};
 use unmix::Palette;
 
+/// A height / width this near to 1 is taken for 1 ...
+const SQUARE_SHARE: f32 = 0.2;
+
+/// ... and where it is so many pixels.
+const SQUARE_PIXELS: f32 = 2.0;
+
 /// How much less of a rim is needed each frame to replace the remembered one.
 const FADING: f32 = 0.01;
 
@@ -189,6 +195,15 @@ enum Start {
     Blob,
     /// Nothing of the kind.
     Rays,
+}
+
+/// The height / width that a rim is sought with: 1 unless `learnt` says clearly that pixels are not
+/// square. It was measured in whole pixels of a ball of `diameter`, perhaps in side light; what is
+/// between is left to the curve's second harmonics.
+#[must_use]
+pub fn aspect_of_pixels(learnt: f32, diameter: f32) -> f32 {
+    let off = libm::fabsf(learnt - 1.0);
+    if off <= SQUARE_SHARE || off * diameter <= SQUARE_PIXELS { 1.0 } else { learnt }
 }
 
 struct Search<'a> {

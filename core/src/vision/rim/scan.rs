@@ -20,7 +20,7 @@ pub const MAX_SCAN_PIXELS: usize = 20;
 const QUARTER: f32 = 0.72;
 
 /// The inside of a scan must be so near to the ball's hue: the sine squared of 14 degrees.
-const MAX_HUE: f32 = 0.06;
+const MAX_HUE: f32 = 0.12;
 
 /// The least brightness of the inside against the ball's middle.
 const LEAST_BRIGHTNESS: f32 = 0.15;

@@ -67,6 +67,28 @@ fn half_of_a_ball_has_the_centre_of_the_whole() {
 }
 
 #[test]
+fn a_third_of_the_rim_still_has_the_centre() {
+    let (u, v, diameter) = (100.3, 90.6, 20.0);
+    let mut picture = Painter::new();
+    picture.ball(Ball::Green, u, v, diameter);
+    let (whole, blob) = rim(&picture, Ball::Green, (100, 90), diameter, None).unwrap();
+    let memory = RimMemory::after(None, &whole, &blob, &CentreConfig::default());
+    // 120 degrees of it are to the left of column 95.3
+    picture.block(95, 60, 140, 120, Rgb::new(205, 160, 135));
+    let (part, _) = rim(&picture, Ball::Green, (92, 90), diameter, Some(&memory)).unwrap();
+    assert!(off(&part, u, v) < 0.5, "{part:?}");
+    assert!((0.15..0.45).contains(&part.visible), "{part:?}");
+}
+
+#[test]
+fn whole_pixels_do_not_make_square_ones_oblong() {
+    assert_eq!(aspect_of_pixels(4.0 / 6.0, 6.0), 1.0);
+    assert_eq!(aspect_of_pixels(15.0 / 17.0, 17.0), 1.0);
+    assert_eq!(aspect_of_pixels(0.5, 30.0), 0.5);
+    assert_eq!(aspect_of_pixels(1.33, 24.0), 1.33);
+}
+
+#[test]
 fn a_highlight_on_the_rim_is_left_out() {
     let (u, v, diameter) = (100.3, 90.6, 24.0);
     let mut picture = Painter::new();
