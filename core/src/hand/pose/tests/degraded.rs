@@ -1,0 +1,84 @@
+//! Balls hidden, wrong, or worse than they say: the state and the covariance tell it.
+
+use super::simulated::{Hand, circular, demo, hide, linear, pair, slow, view};
+use super::tally::{after, holds, is_honest, run};
+use crate::hand::state::PoseState;
+use crate::hand::view::HandView;
+use crate::observation::{BALLS, Ball, ImageCovariance};
+use std::vec::Vec;
+
+#[test]
+fn degraded_states_are_named_and_honest() {
+    // five seconds whole, then half a second each of a missing ball, a missing camera, and nothing
+    let cover = |frame: usize, views: &mut [HandView]| match frame % 90 {
+        0..15 => {}
+        15..30 => hide(views, 1, &[Ball::Blue]),
+        30..40 => hide(views, 0, &Ball::ALL),
+        40..50 => hide(views, 1, &Ball::ALL),
+        50..56 => {
+            hide(views, 0, &Ball::ALL);
+            hide(views, 1, &[Ball::Red]);
+        }
+        70..85 => {
+            hide(views, 0, &Ball::ALL);
+            hide(views, 1, &Ball::ALL);
+        }
+        _ => {}
+    };
+    for (name, path) in
+        [("slow", slow as fn(f64) -> Hand), ("demo", demo), ("linear", linear), ("circular", circular)]
+    {
+        let tally = run(name, &pair(30.0), path, 720, 0.03, 8, cover);
+        for (state, (n, ..)) in &tally.states {
+            assert!(*n > 100, "{}: {n}", state.name());
+        }
+        assert_eq!(tally.states.len(), 5);
+        is_honest(&tally);
+    }
+}
+
+#[test]
+fn a_wrong_ball_is_left_out() {
+    let wrong = |frame: usize, views: &mut [HandView]| {
+        if frame % 20 > 10 {
+            views[1].balls[Ball::Green.index()].centre.u += 12.0;
+        }
+    };
+    let tally = run("wrong ball", &pair(30.0), demo, 300, 0.03, 4, wrong);
+    holds(&tally, 1.0, 0.3, 0.3);
+    assert!(tally.states.contains_key(&PoseState::Three), "and the state says so");
+    is_honest(&tally);
+}
+
+#[test]
+fn centres_that_are_worse_than_they_say_are_found_out() {
+    let liar = |_: usize, views: &mut [HandView]| {
+        for ball in views.iter_mut().flat_map(|view| &mut view.balls) {
+            ball.covariance = ImageCovariance::isotropic(0.02);
+        }
+    };
+    let tally = run("liar", &pair(30.0), demo, 600, 0.1, 3, liar);
+    is_honest(&tally);
+}
+
+#[test]
+fn balls_are_expected_where_they_will_be_also_in_a_blind_camera() {
+    let eyes = pair(30.0);
+    let (mut tracker, mut noise) = after(&eyes, slow, 120);
+    for frame in 120..180 {
+        let hand = slow(frame as f64 / 30.0);
+        let truth: Vec<HandView> = eyes.iter().map(|eye| view(eye, &hand, 0.0, &mut noise)).collect();
+        for (camera, truth) in truth.iter().enumerate() {
+            let expected = tracker.predict(camera, frame as u64 * 33_333);
+            for (expected, truth) in expected.iter().zip(&truth.balls) {
+                let off = expected.expect("a place").distance(truth.centre);
+                assert!(off < 2.0, "frame {frame}, camera {camera}: {off} px");
+            }
+        }
+        let mut views: Vec<HandView> = eyes.iter().map(|eye| view(eye, &hand, 0.03, &mut noise)).collect();
+        hide(&mut views, 0, &Ball::ALL);
+        assert_eq!(tracker.update(&views, frame as u64 * 33_333).state, PoseState::One);
+    }
+    assert_eq!(tracker.predict(2, 180 * 33_333), [None; BALLS]);
+    assert_eq!(tracker.predict(0, 1 << 40), [None; BALLS], "too long ago");
+}
