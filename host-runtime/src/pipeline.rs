@@ -153,7 +153,12 @@ impl Pipeline {
     /// Latches the hand: from the next step on the pose is told from where the hand is now.
     pub fn engage(&mut self) {
         if let Some(hand) = &mut self.hand {
+            let engagements = hand.engagements();
             hand.engage();
+            if hand.engagements() != engagements {
+                // the pose is told in other axes from here on
+                self.filter.reset();
+            }
         }
     }
 
@@ -193,7 +198,7 @@ impl Pipeline {
             let report = hand.update(&views, t_us);
             let solving = started.elapsed();
             if hand.engagements() != engagements {
-                // the pose is told in other axes from here on
+                // an engage that had waited for the hand
                 filter.reset();
             }
             HandStep { report, filtered: filtered(filter, &report, t_us), solving }

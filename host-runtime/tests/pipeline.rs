@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 use tetrad::learning;
-use tetrad::pipeline::{Pipeline, PipelineConfig};
-use tetrad_core::config::{HandConfig, LearnConfig};
+use tetrad::pipeline::{HandStep, Pipeline, PipelineConfig};
+use tetrad_core::config::{FilterConfig, HandConfig, LearnConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::Arms;
+use tetrad_core::hand::filter::PoseFilter;
 use tetrad_core::hand::state::PoseState;
 use tetrad_core::hand::tracker::HandReport;
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
@@ -24,9 +25,8 @@ fn views<'a>(scene: &Scene, rgb: &'a [Vec<u8>; 2]) -> [FrameView<'a>; 2] {
     [0, 1].map(|c| FrameView::packed(&rgb[c], scene.width, scene.height, PixelFormat::Rgb888).unwrap())
 }
 
-/// The hand's steps over some frames of a scene, learnt where its balls are in frame 0.
-/// In the frames `dark` the pictures are black.
-fn track(scene: &Scene, frames: impl Iterator<Item = usize>, dark: &Range<usize>) -> Vec<HandReport> {
+/// A pipeline that was taught the balls where they are in frame 0.
+fn taught(scene: &Scene, config: PipelineConfig) -> Pipeline {
     let rgb = pictures(scene, 0);
     let starts = [0, 1].map(|camera| {
         let points = scene
@@ -36,15 +36,26 @@ fn track(scene: &Scene, frames: impl Iterator<Item = usize>, dark: &Range<usize>
         learning::start_with(&learning::learn_at(&frame, &points, &LearnConfig::default()).unwrap())
     });
     let arms = Arms::equal(scene.arm_m as f32).unwrap();
-    let mut pipeline = Pipeline::new(&starts, PipelineConfig::paper(), Some(arms)).unwrap();
+    Pipeline::new(&starts, config, Some(arms)).unwrap()
+}
+
+/// The hand's step in a frame, seen in these pictures.
+fn step(pipeline: &mut Pipeline, scene: &Scene, frame: usize, rgb: &[Vec<u8>; 2]) -> HandStep {
+    let t_us = (scene.time_s(frame) * 1e6) as u64;
+    pipeline.step(&views(scene, rgb).map(|view| (view, t_us))).hand.unwrap()
+}
+
+/// The hand's steps over some frames of a scene in `paper` mode. In the frames `dark` the pictures are
+/// black.
+fn track(scene: &Scene, frames: impl Iterator<Item = usize>, dark: &Range<usize>) -> Vec<HandReport> {
+    let mut pipeline = taught(scene, PipelineConfig::paper());
     frames
         .map(|frame| {
             let mut rgb = pictures(scene, frame);
             if dark.contains(&frame) {
                 rgb.iter_mut().for_each(|picture| picture.fill(0));
             }
-            let t_us = (scene.time_s(frame) * 1e6) as u64;
-            pipeline.step(&views(scene, &rgb).map(|view| (view, t_us))).hand.unwrap().report
+            step(&mut pipeline, scene, frame, &rgb).report
         })
         .collect()
 }
@@ -95,5 +106,27 @@ fn one_frame_in_three_is_enough_for_a_calm_hand() {
     let scene = Scene::named("linear-0.25-30fps").unwrap();
     for (i, step) in track(&scene, (0..60).step_by(3), &(0..0)).iter().enumerate() {
         assert_eq!(step.state, PoseState::Both, "frame {}", 3 * i);
+    }
+}
+
+#[test]
+fn an_engage_in_motion_starts_the_filter_anew() {
+    const AT: usize = 30;
+    let mut scene = Scene::named("linear-0.25-30fps").unwrap();
+    scene.background = Background::Plain(168.0);
+    assert!(moved_m(&scene, 0, AT) > 0.05 && moved_m(&scene, AT - 1, AT) > 0.005, "in full motion");
+    let lead = FilterConfig { lead_us: 50_000, ..FilterConfig::default() };
+    for config in [PipelineConfig::paper(), PipelineConfig::refined()] {
+        let mut pipeline = taught(&scene, config).with_filter(PoseFilter::new(lead).unwrap());
+        for frame in 0..AT {
+            step(&mut pipeline, &scene, frame, &pictures(&scene, frame));
+        }
+        pipeline.engage();
+        let hand = step(&mut pipeline, &scene, AT, &pictures(&scene, AT));
+        assert_eq!(hand.report.motion.unwrap().engagements, 1);
+        // neither drawn back to where the hand was in the old axes, nor carried on at the old speed
+        assert_eq!(hand.filtered, hand.report.pose, "{:?}", config.hand_mode);
+        let off = hand.filtered.unwrap().translation.norm();
+        assert!(f64::from(off) < 1.5 * moved_m(&scene, AT - 1, AT), "{off} m from where it was latched");
     }
 }
