@@ -125,8 +125,12 @@ fn an_engage_in_motion_starts_the_filter_anew() {
         let hand = step(&mut pipeline, &scene, AT, &pictures(&scene, AT));
         assert_eq!(hand.report.motion.unwrap().engagements, 1);
         // neither drawn back to where the hand was in the old axes, nor carried on at the old speed
-        assert_eq!(hand.filtered, hand.report.pose, "{:?}", config.hand_mode);
-        let off = hand.filtered.unwrap().translation.norm();
+        let (filtered, pose) = (hand.filtered.unwrap(), hand.report.pose.unwrap());
+        // there and back through the turn's logarithm costs a bit
+        let apart =
+            (filtered.translation - pose.translation).norm() + (filtered.rotation - pose.rotation).norm();
+        assert!(apart < 1e-6, "{:?}: {apart}", config.hand_mode);
+        let off = filtered.translation.norm();
         assert!(f64::from(off) < 1.5 * moved_m(&scene, AT - 1, AT), "{off} m from where it was latched");
     }
 }
