@@ -61,9 +61,19 @@ fn write_certainty(hash: &mut Fnv1a, seen: &[HandView], report: &HandReport) {
     }
 }
 
-/// The two modes, and what is before the scene's name in the file of hashes.
-const MODES: [(&str, fn() -> PipelineConfig, bool); 2] =
-    [("", PipelineConfig::paper, false), ("refined-", PipelineConfig::refined, true)];
+/// A mode whose results are hashed.
+struct Mode {
+    /// What is before the scene's name in the file of hashes.
+    prefix: &'static str,
+    config: fn() -> PipelineConfig,
+    /// Whether covariances and states are hashed too.
+    certainty: bool,
+}
+
+const MODES: [Mode; 2] = [
+    Mode { prefix: "", config: PipelineConfig::paper, certainty: false },
+    Mode { prefix: "refined-", config: PipelineConfig::refined, certainty: true },
+];
 
 /// Both cameras and the hand, and the hash of everything they have given so far.
 struct Chain {
@@ -122,7 +132,7 @@ fn hashes(name: &str) -> [[u64; 2]; 2] {
 }
 
 fn check(name: &str) -> Result<(), GoldenError> {
-    for ([first, second], (mode, ..)) in hashes(name).into_iter().zip(MODES) {
+    for ([first, second], Mode { prefix: mode, .. }) in hashes(name).into_iter().zip(MODES) {
         assert_eq!(first, second, "{mode}{name}: the same frames gave other bits the second time");
         golden::check(&golden::data("tracker.txt"), &format!("{mode}{name}"), first)?;
     }
