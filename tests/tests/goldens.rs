@@ -116,8 +116,7 @@ impl Chain {
 /// scene.
 fn hashes(name: &str) -> [[u64; 2]; 2] {
     let scene = common::scene(name);
-    let mut chains =
-        MODES.map(|(_, config, certainty)| [(); 2].map(|()| Chain::new(&scene, &config(), certainty)));
+    let mut chains = MODES.map(|mode| [(); 2].map(|()| Chain::new(&scene, &(mode.config)(), mode.certainty)));
     let mut pictures = vec![Vec::new(); scene.cameras()];
     for frame in 0..FRAMES.min(scene.frames()) {
         for (camera, rgb) in pictures.iter_mut().enumerate() {
