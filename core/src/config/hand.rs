@@ -90,8 +90,8 @@ pub struct PoseConfig {
     pub hold_us: u64,
     /// How many frames are waited for a second camera before one alone is latched.
     pub latch_wait_frames: u32,
-    /// How many frames a camera may contradict the others before it is taken for moved and latched
-    /// anew.
+    /// How many frames a camera may contradict the others before it is taken for moved, latched anew,
+    /// and trusted again if it agrees from there on while the hand moves.
     pub relatch_frames: u32,
 }
 

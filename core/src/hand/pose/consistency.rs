@@ -2,7 +2,6 @@
 //! that only half-hidden balls show.
 
 use super::PoseTracker;
-use super::course::Course;
 use super::sightings::complete;
 use super::solve::{self, Fit, Seen, solve};
 use crate::geometry::Pose;
@@ -15,6 +14,10 @@ const MAX_WRONG: usize = 2;
 
 /// Equations less unknowns from which on a ball that is not where it should be shows: seven balls.
 const REDUNDANT: f32 = 8.0;
+
+/// Of two views that contradict each other the one is believed that is nearer to where the hand was
+/// expected by so many times, variances.
+const PLAINLY: f32 = 4.0;
 
 /// A frame that was solved.
 pub(super) struct Solved {
@@ -31,23 +34,23 @@ impl PoseTracker {
         let course = self.course.as_ref()?;
         let expected = course.pose_at(t_us, self.pose_config());
         let cameras = self.calibration.cameras();
-        // cameras not latched yet take no part
+        // cameras not latched yet, or not trusted, take no part
         let mut known = *seen;
-        for (sightings, camera) in known.iter_mut().zip(cameras) {
-            if camera.is_none() {
+        for (view, (sightings, camera)) in known.iter_mut().zip(cameras).enumerate() {
+            if camera.is_none() || !self.is_trusted(view) {
                 *sightings = [None; BALLS];
             }
         }
-        let solved = self.consistent(&known, &expected, &expected).or_else(|| {
+        let solved = self.consistent(&known, &expected, t_us).or_else(|| {
             // the hand is not where it was expected: from where each complete view sees it
             let mut starts = cameras.iter().zip(&known).filter_map(|(camera, sightings)| {
                 let camera = camera.as_ref()?;
                 let hand = posit(&complete(sightings)?, camera.focal_px(), self.arms)?;
                 Some(camera.places(&hand))
             });
-            starts.find_map(|start| self.consistent(&known, &start, &expected))
+            starts.find_map(|start| self.consistent(&known, &start, t_us))
         })?;
-        if self.is_likely(&solved.fit, course, t_us) {
+        if self.is_likely(&solved.fit, t_us) {
             return Some(solved);
         }
         // a leap is believed where balls seen whole show it; those half hidden may have feigned it
@@ -59,24 +62,35 @@ impl PoseTracker {
                 }
             }
         }
-        if clear == solved.seen { Some(solved) } else { self.consistent(&clear, &expected, &expected) }
+        if clear != solved.seen {
+            return self.consistent(&clear, &expected, t_us);
+        }
+        // and where views contradict each other, only if what is left agrees among itself
+        (solved.seen == known || is_redundant(&solved.fit)).then_some(solved)
     }
 
     /// Whether a pose may follow from the movement before it. After a while unseen any may, if there
     /// are balls enough for a wrong one to show.
-    fn is_likely(&self, fit: &Fit, course: &Course, t_us: u64) -> bool {
+    fn is_likely(&self, fit: &Fit, t_us: u64) -> bool {
         let config = self.pose_config();
+        let Some(course) = &self.course else { return false };
         if course.age_us(t_us) > config.predict_us {
-            return fit.freedom >= REDUNDANT;
+            return is_redundant(fit);
         }
+        self.surprise(fit, t_us).is_some_and(|square| square < 6.0 * config.leap_sigmas * config.leap_sigmas)
+    }
+
+    /// How far a pose is from where it was expected, in variances of both.
+    fn surprise(&self, fit: &Fit, t_us: u64) -> Option<f32> {
+        let config = self.pose_config();
+        let course = self.course.as_ref()?;
         let leap = solve::difference(&fit.pose, &course.pose_at(t_us, config));
-        let covariance = fit.covariance + course.covariance_at(t_us, config);
-        let square = Cholesky::new(covariance).map_or(0.0, |factor| leap.dot(&factor.solve(&leap)));
-        square < 6.0 * config.leap_sigmas * config.leap_sigmas
+        let factor = Cholesky::new(fit.covariance + course.covariance_at(t_us, config))?;
+        Some(leap.dot(&factor.solve(&leap))).filter(|square| square.is_finite())
     }
 
     /// The pose from a start, without the balls or the view that contradict the others.
-    fn consistent(&self, seen: &Seen, start: &Pose, expected: &Pose) -> Option<Solved> {
+    fn consistent(&self, seen: &Seen, start: &Pose, t_us: u64) -> Option<Solved> {
         let mut rest = *seen;
         let mut from = *start;
         for _ in 0..=MAX_WRONG {
@@ -91,11 +105,12 @@ impl PoseTracker {
             }
             from = fit.pose;
         }
-        // one camera contradicts the others: the one without which the hand is nearest to where it
-        // was expected
+        // one camera contradicts the others: that without which they agree, or without which the hand
+        // is where it was expected; but none that has been trusted longer than all others
         let mut best: Option<(f32, Solved)> = None;
+        let mut second = f32::INFINITY;
         for (view, sightings) in seen.iter().enumerate() {
-            if sightings.iter().all(Option::is_none) {
+            if sightings.iter().all(Option::is_none) || !self.may_leave_out(view, seen) {
                 continue;
             }
             let mut rest = *seen;
@@ -103,29 +118,34 @@ impl PoseTracker {
                 *sightings = [None; BALLS];
             }
             let Some(fit) = self.fit(start, &rest).filter(is_sound) else { continue };
-            let off = self.unlikelihood(&fit.pose, expected);
-            if best.as_ref().is_none_or(|(least, _)| off < *least) {
-                best = Some((off, Solved { fit, seen: rest, excluded: Some(view) }));
+            if !is_redundant(&fit) && !self.is_likely(&fit, t_us) {
+                continue;
+            }
+            let Some(surprise) = self.surprise(&fit, t_us) else { continue };
+            match &best {
+                Some((least, _)) if surprise >= *least => second = second.min(surprise),
+                _ => {
+                    second = best.map_or(second, |(least, _)| least);
+                    best = Some((surprise, Solved { fit, seen: rest, excluded: Some(view) }));
+                }
             }
         }
-        best.map(|(_, solved)| solved)
+        // two that are as likely: nobody knows which is right
+        best.filter(|(least, _)| second > PLAINLY * least).map(|(_, solved)| solved)
     }
 
     pub(super) fn fit(&self, start: &Pose, seen: &Seen) -> Option<Fit> {
         let config = self.pose_config();
         solve(start, self.calibration.cameras(), seen, self.arms, self.noise(), config)
     }
+}
 
-    /// How far a pose is from where it was expected, in what a prediction may be off.
-    fn unlikelihood(&self, pose: &Pose, expected: &Pose) -> f32 {
-        let config = self.pose_config();
-        let [x, y, z, wx, wy, wz] = solve::difference(pose, expected).into();
-        let shift = (x * x + y * y + z * z) / (config.prior_m * config.prior_m);
-        shift + (wx * wx + wy * wy + wz * wz) / (config.prior_rad * config.prior_rad)
-    }
+/// Whether there are so many balls that a wrong one would show.
+fn is_redundant(fit: &Fit) -> bool {
+    fit.freedom >= REDUNDANT
 }
 
 /// Whether a fit came to an end with every ball near where it should be.
-fn is_sound(fit: &Fit) -> bool {
+pub(super) fn is_sound(fit: &Fit) -> bool {
     fit.settled && fit.wrong == 0
 }

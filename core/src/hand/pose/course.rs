@@ -104,6 +104,17 @@ impl Course {
         &self.pose
     }
 
+    /// How well it is known.
+    #[must_use]
+    pub const fn covariance(&self) -> &Matrix6<f32> {
+        &self.covariance
+    }
+
+    /// The last measured pose is known so well, as after a latch at it.
+    pub const fn is_known_to(&mut self, covariance: Matrix6<f32>) {
+        self.covariance = covariance;
+    }
+
     /// Microseconds since the last measured pose.
     #[must_use]
     pub const fn age_us(&self, t_us: u64) -> u64 {

@@ -8,20 +8,23 @@ use super::course::Course;
 use super::noise::MAX_NOISE;
 use super::sightings::complete;
 use super::solve::{Cameras, Fit, Seen, solve};
+use super::trust::Trust;
 use crate::config::{MAX_VIEWS, PoseConfig};
 use crate::geometry::Pose;
 use crate::hand::perspective::Sightings;
 use crate::hand::perspective::posit::posit;
 use crate::observation::BALLS;
-use nalgebra::Vector3;
+use nalgebra::{Matrix6, Vector3};
 
 impl PoseTracker {
     /// The first frame: every camera that sees all four balls is latched where it sees the hand.
     pub(super) fn latch_first(&mut self, seen: &Seen, t_us: u64) -> Option<Solved> {
         let listed = self.models.iter().flatten().count();
         let mut single = [None; MAX_VIEWS];
-        for ((found, sightings), model) in single.iter_mut().zip(seen).zip(&self.models) {
-            *found = model.and_then(|model| self.single_view(sightings, model.focal_px));
+        for (view, ((found, sightings), model)) in single.iter_mut().zip(seen).zip(&self.models).enumerate() {
+            *found = model
+                .filter(|_| !self.is_stale(view))
+                .and_then(|model| self.single_view(sightings, model.focal_px));
         }
         let ready = single.iter().flatten().count();
         if ready == 0 {
@@ -42,11 +45,17 @@ impl PoseTracker {
                 self.calibration.add_camera(view, camera_from_hand, &origin, nominal, nominal, self.arms);
             }
         }
+        self.trust = self.trust.map(Trust::begin_anew);
         let noise = self.noise();
         self.calibration.latch(&Pose::identity(), &anchor, self.arms, noise, &self.config.pose);
         let mut fit = self.fit(&Pose::identity(), &anchor)?;
         fit.pose = Pose::identity();
         self.waited = 0;
+        if let Some(course) = self.doubted.take() {
+            let config = &self.config.pose;
+            (self.engage_from_world, self.engage_covariance) =
+                self.since_engage(&course.pose_at(t_us, config), &course.covariance_at(t_us, config));
+        }
         self.course = Some(Course::new(fit.pose, fit.covariance, t_us));
         Some(Solved { fit, seen: anchor, excluded: None })
     }
@@ -72,9 +81,7 @@ impl PoseTracker {
 
     /// What a solved frame tells of the cameras.
     pub(super) fn learn(&mut self, fit: &Fit, seen: &Seen, used: &Seen, excluded: Option<usize>) {
-        for (view, count) in self.contradicted.iter_mut().enumerate() {
-            *count = if excluded == Some(view) { count.saturating_add(1) } else { 0 };
-        }
+        self.trust_follows(fit, seen, used, excluded);
         let noise = self.noise();
         let contributing = fit.views.iter().filter(|view| view.balls > 0).count();
         let listed = self.models.iter().flatten().count();
@@ -83,8 +90,7 @@ impl PoseTracker {
         }
         // a camera that was moved, and one that has not seen the hand before, are latched from the pose
         // that the others give
-        let patience = self.config.pose.relatch_frames;
-        let moved = excluded.filter(|view| self.contradicted.get(*view).is_some_and(|n| *n >= patience));
+        let moved = self.take_moved();
         let mut focal_px = None;
         if let Some(view) = moved {
             focal_px = self.calibration.remove_camera(view);
@@ -96,7 +102,7 @@ impl PoseTracker {
             else {
                 continue;
             };
-            if self.calibration.camera(view).is_some() {
+            if self.calibration.camera(view).is_some() || self.is_stale(view) {
                 continue;
             }
             let focal_px = focal_px.filter(|_| moved == Some(view)).unwrap_or(model.focal_px);
@@ -114,16 +120,21 @@ impl PoseTracker {
 
     /// All cameras are latched anew, the pose going on from where it stands, when views that show the
     /// whole hand have contradicted each other for too long.
-    pub(super) fn doubt_everything(&mut self, seen: &Seen, t_us: u64) {
-        let shown = seen.iter().any(|sightings| sightings.iter().all(Option::is_some));
+    pub(super) fn doubt_everything(&mut self, seen: &Seen) {
+        let shown = seen
+            .iter()
+            .enumerate()
+            .any(|(view, sightings)| !self.is_stale(view) && sightings.iter().all(Option::is_some));
         let Some(course) = self.course.as_ref().filter(|_| shown) else { return };
         self.unsolved = self.unsolved.saturating_add(1);
         if self.unsolved > self.config.pose.relatch_frames {
-            let pose = course.pose_at(t_us, &self.config.pose);
-            let held = self.engage_from_world.compose(&pose);
+            let doubted = Some(course.clone());
             let fresh = Self::new(self.arms, self.config);
             *self = Self {
-                engage_from_world: held,
+                doubted,
+                engage_from_world: self.engage_from_world,
+                engage_covariance: self.engage_covariance,
+                trust: self.trust.map(Trust::begin_anew),
                 engagements: self.engagements,
                 latch_at_next: self.latch_at_next,
                 refused: self.refused,
@@ -140,7 +151,18 @@ impl PoseTracker {
         if let Some(course) = &mut self.course {
             course.change_world(pose);
         }
+        // what was not known of the old world does not matter in the new one
+        if let Some(fit) = self.fit(&Pose::identity(), seen) {
+            let covariance = fit.covariance + self.calibration.spread(&fit, seen, self.arms, noise);
+            if let Some(course) = &mut self.course {
+                course.is_known_to(covariance);
+            }
+        }
+        for trust in &mut self.trust {
+            trust.change_world();
+        }
         self.engage_from_world = Pose::identity();
+        self.engage_covariance = Matrix6::zeros();
         self.engagements = self.engagements.wrapping_add(1);
         self.latch_at_next = false;
     }

@@ -5,6 +5,7 @@
 //!       --> where the hand is expected ([`course`])
 //!       --> Gauss-Newton on the reprojection error ([`solve`]): pose
 //!       --> what disagrees is left out: a wrong ball, a camera that was moved (`consistency`)
+//!       --> whom to believe again, and whom not (`trust`)
 //!       --> how good the centres are (`noise`)
 //!       --> what the motion teaches of the cameras ([`calibration`], [`camera`], [`square_root`])
 //!       --> cameras that join or were moved, and the hand at an engage (`latching`)
@@ -30,6 +31,7 @@ mod latching;
 mod noise;
 mod report;
 mod sightings;
+mod trust;
 
 use crate::config::{HandConfig, MAX_VIEWS, PoseConfig};
 use crate::geometry::{ImagePoint, Pose};
@@ -42,15 +44,17 @@ use crate::observation::BALLS;
 use calibration::Calibration;
 use camera::Camera;
 use consistency::Solved;
-use course::{Course, turned_covariance};
+use course::Course;
+use nalgebra::Matrix6;
 use report::state_of;
 use sightings::middle;
 use solve::Seen;
+use trust::Trust;
 
 #[cfg(test)]
 mod tests;
 
-/// The hand's pose since engage, from all views. About 36 KiB, most of it for eight cameras' worth of
+/// The hand's pose since engage, from all views. About 38 KiB, most of it for eight cameras' worth of
 /// what is known of them ([`square_root`]).
 #[derive(Clone, Debug)]
 pub struct PoseTracker {
@@ -60,9 +64,13 @@ pub struct PoseTracker {
     calibration: Calibration,
     /// `None` until the hand has been latched.
     course: Option<Course>,
+    /// The movement before all cameras were doubted: where it goes on at the next latch.
+    doubted: Option<Course>,
     /// The pose since engage of the world's origin: the identity, but for cameras latched anew on
     /// the way.
     engage_from_world: Pose,
+    /// And how well that is known.
+    engage_covariance: Matrix6<f32>,
     /// Which balls were half hidden in this frame.
     hidden: [[bool; BALLS]; MAX_VIEWS],
     /// How many times worse than they say the centres are, variances.
@@ -74,8 +82,9 @@ pub struct PoseTracker {
     latch_at_next: bool,
     /// Frames in which one camera alone was ready to be latched.
     waited: u32,
-    /// Frames in a row in which a camera contradicted the others; in which nothing fitted.
-    contradicted: [u32; MAX_VIEWS],
+    /// Whom to believe.
+    trust: [Trust; MAX_VIEWS],
+    /// Frames in a row in which nothing fitted.
     unsolved: u32,
 }
 
@@ -89,7 +98,9 @@ impl PoseTracker {
             models: [None; MAX_VIEWS],
             calibration: Calibration::new(0),
             course: None,
+            doubted: None,
             engage_from_world: Pose::identity(),
+            engage_covariance: Matrix6::zeros(),
             hidden: [[false; BALLS]; MAX_VIEWS],
             noise_square: 1.0,
             last: None,
@@ -97,7 +108,7 @@ impl PoseTracker {
             engagements: 0,
             latch_at_next: false,
             waited: 0,
-            contradicted: [0; MAX_VIEWS],
+            trust: [Trust::default(); MAX_VIEWS],
             unsolved: 0,
         }
     }
@@ -131,6 +142,7 @@ impl PoseTracker {
     /// microseconds of any clock that goes forward.
     pub fn update(&mut self, views: &[HandView], t_us: u64) -> HandReport {
         let seen = self.take(views);
+        self.watch(&seen);
         let before = self.course.as_ref().map(|course| *course.pose());
         let solved = match before {
             None => self.latch_first(&seen, t_us),
@@ -139,7 +151,7 @@ impl PoseTracker {
         let Some(Solved { fit, seen: used, excluded }) = solved else {
             self.last = None;
             self.refused = self.refused.saturating_add(u32::from(self.course.is_some()));
-            self.doubt_everything(&seen, t_us);
+            self.doubt_everything(&seen);
             return self.unmeasured(views, t_us);
         };
         self.unsolved = 0;
@@ -156,7 +168,7 @@ impl PoseTracker {
         self.noise_follows(&fit);
         self.learn(&fit, &seen, &used, excluded);
 
-        let pose = self.engage_from_world.compose(&fit.pose);
+        let (pose, covariance) = self.since_engage(&fit.pose, &covariance);
         let mut report = HandReport {
             motion: Ok(Motion {
                 alpha: increment.translation,
@@ -167,12 +179,13 @@ impl PoseTracker {
                 spans,
             }),
             pose: Some(pose),
-            covariance: Some(turned_covariance(&self.engage_from_world.rotation, &covariance)),
+            covariance: Some(covariance),
             state,
         };
         if self.latch_at_next {
             self.latch(&fit.pose, &used);
             report.pose = Some(Pose::identity());
+            report.covariance = self.course.as_ref().map(|course| *course.covariance());
             if let Ok(motion) = &mut report.motion {
                 motion.since_engage = Pose::identity();
                 motion.engagements = self.engagements;

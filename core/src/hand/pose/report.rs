@@ -4,12 +4,14 @@
 use super::PoseTracker;
 use super::course::turned_covariance;
 use super::solve::Fit;
+use crate::geometry::Pose;
 use crate::hand::affine::AffineRefusal;
 use crate::hand::motion::MotionRefusal;
 use crate::hand::report::HandReport;
 use crate::hand::state::PoseState;
 use crate::hand::view::HandView;
 use crate::observation::{BALLS, Ball};
+use nalgebra::Matrix6;
 
 impl PoseTracker {
     /// The report of a frame whose pose was not measured.
@@ -22,14 +24,26 @@ impl PoseTracker {
             return lost;
         }
         let config = self.pose_config();
-        let pose = self.engage_from_world.compose(&course.pose_at(t_us, config));
-        let covariance = course.covariance_at(t_us, config);
+        let carried_on = course.pose_at(t_us, config);
+        let (pose, covariance) = self.since_engage(&carried_on, &course.covariance_at(t_us, config));
         HandReport {
             pose: Some(pose),
-            covariance: Some(turned_covariance(&self.engage_from_world.rotation, &covariance)),
+            covariance: Some(covariance),
             state: if age_us > config.predict_us { PoseState::Held } else { PoseState::Predicted },
             ..lost
         }
+    }
+
+    /// A pose in the world, and its covariance, as since engage: with what is not known of where the
+    /// world stands, were the cameras latched anew on the way.
+    pub(super) fn since_engage(&self, pose: &Pose, covariance: &Matrix6<f32>) -> (Pose, Matrix6<f32>) {
+        let turn = &self.engage_from_world.rotation;
+        // a turn of the world carries the hand along
+        let lever = turn * pose.translation;
+        let mut carry = Matrix6::identity();
+        carry.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-lever.cross_matrix()));
+        let of_world = carry * self.engage_covariance * carry.transpose();
+        (self.engage_from_world.compose(pose), turned_covariance(turn, covariance) + of_world)
     }
 }
 

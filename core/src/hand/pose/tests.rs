@@ -7,3 +7,4 @@ mod degraded;
 mod engaging;
 mod simulated;
 mod tally;
+mod trust;

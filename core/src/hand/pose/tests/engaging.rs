@@ -6,6 +6,7 @@ use crate::config::HandConfig;
 use crate::geometry::Pose;
 use crate::hand::motion::MotionRefusal;
 use crate::hand::pose::PoseTracker;
+use crate::hand::report::HandReport;
 use crate::hand::view::HandView;
 use crate::observation::Ball;
 use std::vec::Vec;
@@ -61,4 +62,24 @@ fn increments_add_up_to_the_pose() {
         assert!((sum.translation - motion.since_engage.translation).norm() < 1e-5);
         assert_eq!(Some(motion.since_engage), report.pose);
     }
+}
+
+#[test]
+fn a_latch_forgets_what_was_not_known_before_it() {
+    let eyes = pair(30.0);
+    let (mut tracker, mut noise) = after(&eyes, demo, 150);
+    let sigma = |report: &HandReport| report.covariance.unwrap().fixed_view::<3, 3>(0, 0).trace().sqrt();
+    let mut one: Vec<HandView> = eyes.iter().map(|eye| view(eye, &demo(5.0), 0.03, &mut noise)).collect();
+    hide(&mut one, 1, &Ball::ALL);
+    let alone = tracker.update(&one, 150 * 33_333);
+    hide(&mut one, 0, &Ball::ALL);
+    tracker.update(&one, 151 * 33_333);
+    tracker.engage();
+    let latched = see(&mut tracker, &eyes, &demo(152.0 / 30.0), 152, &mut noise);
+    assert_eq!(latched.pose, Some(Pose::identity()));
+    // after the latch it is as well known as in the first frame of all
+    let mut fresh = PoseTracker::new(crate::hand::synthetic::arms(), HandConfig::default());
+    let first = see(&mut fresh, &eyes, &demo(152.0 / 30.0), 0, &mut noise);
+    assert!(sigma(&latched) < 1.2 * sigma(&first), "{} {}", sigma(&latched), sigma(&first));
+    assert!(sigma(&latched) < sigma(&alone));
 }
