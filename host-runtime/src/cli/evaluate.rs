@@ -47,9 +47,9 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
     report.write(&args.out).or_exit(Exit::Failed)?;
     for row in &report.headlines.rows {
         let fields: Vec<String> = row.iter().map(|cell| cell.text()).collect();
-        if let [what, published, refined, promised, paper] = &fields[..] {
+        if let [what, published, refined, promised, promise, paper] = &fields[..] {
             say(format_args!(
-                "{what}\n    refined     {refined}\n    promised    {promised}\n    paper mode  {paper}\n    published   {published}"
+                "{what}\n    refined     {refined}\n    promised    {promised}: {promise}\n    paper mode  {paper}\n    published   {published}"
             ));
         }
     }

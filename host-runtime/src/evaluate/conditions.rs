@@ -1,12 +1,13 @@
 //! Errors against one condition at a time: noise, a finger over the rim, the focal length, the angle
 //! between the cameras.
 
+use super::headline::{Bound, Headline, NOTHING, largest};
 use super::run::{MODES, Variant};
 use super::scenes::{colour, named};
 use super::sensor::Sensor;
 use super::statistics::{Centres, Poses};
 use super::trace::{Case, Trace};
-use super::{Headline, Outcome, Plan, Traced};
+use super::{Outcome, Plan, Traced};
 use crate::report::{Axis, Cell, Figure, Look, Panel, Section, Series, Table};
 use crate::settings::Mode;
 use nalgebra::Vector3;
@@ -143,30 +144,32 @@ pub(super) fn outcome(_: Plan, traced: &[Traced]) -> Outcome {
         tables: vec![table(&rows)],
         figures: vec![figure(&rows)],
     };
-    let forty = |mode: Mode| {
-        let mut own =
-            rows.iter().filter(|row| row.condition == Condition::Hidden(0.4) && row.variant.mode == mode);
-        own.next().map_or_else(String::new, |row| row.centres.text())
+    let of = |mode: Mode, wanted: fn(Condition) -> bool| {
+        rows.iter().filter(move |row| wanted(row.condition) && row.variant.mode == mode)
     };
-    let real = |mode: Mode| {
-        let all = |row: &&Row| {
-            matches!(row.condition, Condition::Camera(_, Sensor::REAL)) && row.variant.mode == mode
-        };
-        rows.iter().find(all).map_or_else(String::new, |row| {
-            format!("centre {}; place {:.2} mm", row.centres.text(), row.poses.mean_mm)
-        })
+    let forty = |mode| {
+        let own = of(mode, |condition| condition == Condition::Hidden(0.4));
+        Centres::worst(own.map(|row| &row.centres), (Bound::Under(0.4), Bound::Free))
+    };
+    let real = |mode| {
+        let own = of(mode, |condition| matches!(condition, Condition::Camera(_, Sensor::REAL)));
+        let place = largest(own.clone().map(|row| row.poses.mean_mm));
+        let share = -largest(own.clone().map(|row| -row.poses.share()));
+        Centres::worst(own.map(|row| &row.centres), (Bound::Free, Bound::Free))
+            .figure(("; place ", " mm"), place, 2, Bound::Free)
+            .share(share)
     };
     let headlines = vec![
         Headline {
             what: "With a soft lens, a Bayer mosaic and a tone curve: circle at 0.25 m/s".to_owned(),
-            published: "\u{2013}",
-            promised: "\u{2013}",
+            published: NOTHING,
+            promised: NOTHING,
             refined: real(Mode::Refined),
             paper: real(Mode::Paper),
         },
         Headline {
             what: "Centre of a ball of 16 px, 40 % of its rim behind a finger".to_owned(),
-            published: "\u{2013}",
+            published: NOTHING,
             promised: "under 0.4 px",
             refined: forty(Mode::Refined),
             paper: forty(Mode::Paper),
@@ -210,7 +213,7 @@ fn table(rows: &[Row]) -> Table {
         let mut cells: Vec<Cell> = vec![name.into(), Cell::number(value), row.variant.mode.name().into()];
         cells.extend(row.centres.cells());
         let poses = &row.poses;
-        cells.push(Cell::Number(poses.measured as f64 / poses.frames as f64, 3));
+        cells.push(Cell::Number(poses.share(), 3));
         let millimetres = poses.box_mm.iter().copied().chain([poses.mean_mm, poses.max_mm]);
         cells.extend(millimetres.chain([poses.turn_max_deg]).map(|value| Cell::Number(value, 3)));
         cells

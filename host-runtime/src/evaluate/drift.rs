@@ -1,10 +1,11 @@
 //! Ten minutes of moving in all six degrees of freedom, and returning to the start.
 
+use super::headline::{Bound, Headline, NOTHING, Told, largest};
 use super::run::{MODES, Variant};
 use super::scenes::{colour, named};
+use super::statistics::Poses;
 use super::trace::{Case, Trace, TraceFrame};
-use super::{Headline, Outcome, Plan, Traced};
-use crate::output::Spread;
+use super::{Outcome, Plan, Traced};
 use crate::report::{Axis, Cell, Figure, Look, Panel, Section, Series, Table};
 use crate::settings::Mode;
 use tetrad_fixtures::{Background, Light};
@@ -62,13 +63,12 @@ pub(super) fn outcome(plan: Plan, traced: &[Traced]) -> Outcome {
         }],
     };
     let back = |mode: Mode| {
-        let traces = traced.iter().flat_map(|t| &t.traces).filter(|trace| trace.variant.mode == mode);
-        let worst = traces.map(|trace| returned(trace, periods(plan)).0).fold(0.0, f64::max);
-        format!("{worst:.2} mm")
+        let traces = traced.iter().flat_map(|t| &t.traces).filter(move |trace| trace.variant.mode == mode);
+        told(traces, periods(plan))
     };
     let headlines = vec![Headline {
         what: format!("Back at the start after {minutes:.0} minutes, worst light"),
-        published: "\u{2013}",
+        published: NOTHING,
         promised: "under 0.3 mm",
         refined: back(Mode::Refined),
         paper: back(Mode::Paper),
@@ -76,17 +76,47 @@ pub(super) fn outcome(plan: Plan, traced: &[Traced]) -> Outcome {
     Outcome { section, headlines }
 }
 
+/// Distance in millimetres and angle in degrees of a pose measured in this frame.
 fn errors(frame: &TraceFrame) -> Option<(f64, f64)> {
-    let error = frame.hand.as_ref()?.error.as_ref()?;
+    let error = frame.hand.as_ref()?.measured()?;
     Some((error.translation_m.norm() * 1e3, error.rotation_rad.norm().to_degrees()))
 }
 
-/// Mean error in millimetres and degrees while the hand stands at the start after so many periods.
-fn returned(trace: &Trace, periods: usize) -> (f64, f64) {
-    let back_s = periods as f64 * PERIOD_S;
-    let there = || trace.frames.iter().filter(|f| (f.t_s - back_s).abs() <= RETURNED_S).filter_map(errors);
-    let mean = |value: fn((f64, f64)) -> f64| Spread::of(there().map(value)).map_or(f64::NAN, |s| s.mean);
-    (mean(|e| e.0), mean(|e| e.1))
+/// Errors while the hand stands at the start after so many periods; not a number without a pose.
+struct Returned {
+    share: f64,
+    mean_mm: f64,
+    max_mm: f64,
+    mean_deg: f64,
+}
+
+impl Returned {
+    fn of(trace: &Trace, periods: usize) -> Self {
+        let back_s = periods as f64 * PERIOD_S;
+        let there = || trace.frames.iter().filter(|f| (f.t_s - back_s).abs() <= RETURNED_S);
+        let measured: Vec<(f64, f64)> = there().filter_map(errors).collect();
+        let count = measured.len() as f64;
+        Self {
+            share: count / there().count() as f64,
+            mean_mm: measured.iter().map(|e| e.0).sum::<f64>() / count,
+            max_mm: largest(measured.iter().map(|e| e.0)),
+            mean_deg: measured.iter().map(|e| e.1).sum::<f64>() / count,
+        }
+    }
+}
+
+/// The worst of several runs after so many periods; the share is the lowest of the whole runs and of
+/// the returns.
+fn told<'a>(traces: impl Iterator<Item = &'a Trace>, periods: usize) -> Told {
+    const PROMISED_MM: Bound = Bound::Under(0.3);
+    let runs: Vec<(Returned, Poses)> =
+        traces.map(|trace| (Returned::of(trace, periods), Poses::of(trace))).collect();
+    let worst = |value: fn(&Returned) -> f64| largest(runs.iter().map(|(returned, _)| value(returned)));
+    Told::default()
+        .figure(("", ""), worst(|returned| returned.mean_mm), 2, PROMISED_MM)
+        .figure((", at most ", " mm"), worst(|returned| returned.max_mm), 2, PROMISED_MM)
+        .share(-worst(|returned| -returned.share))
+        .share(-largest(runs.iter().map(|(_, poses)| -poses.share())))
 }
 
 fn curve(trace: &Trace) -> Series {
@@ -109,13 +139,15 @@ fn table(plan: Plan, lights: &[&'static str], traced: &[Traced]) -> Table {
     for (light, Traced { traces, .. }) in lights.iter().zip(traced) {
         for trace in traces {
             for period in 1..=periods(plan) {
-                let (mm, deg) = returned(trace, period);
+                let returned = Returned::of(trace, period);
                 rows.push(vec![
                     (*light).into(),
                     trace.variant.mode.name().into(),
                     Cell::Number(period as f64 * PERIOD_S, 0),
-                    Cell::Number(mm, 3),
-                    Cell::Number(deg, 4),
+                    Cell::Number(returned.share, 3),
+                    Cell::Number(returned.mean_mm, 3),
+                    Cell::Number(returned.max_mm, 3),
+                    Cell::Number(returned.mean_deg, 4),
                 ]);
             }
         }
@@ -123,7 +155,46 @@ fn table(plan: Plan, lights: &[&'static str], traced: &[Traced]) -> Table {
     Table {
         name: "drift",
         caption: "Error of the pose while the hand stands where it started".to_owned(),
-        columns: vec!["light", "mode", "after_s", "mean_mm", "mean_deg"],
+        columns: vec!["light", "mode", "after_s", "measured_share", "mean_mm", "max_mm", "mean_deg"],
         rows,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::statistics::tests::{pose_mm, trace};
+    use tetrad_core::hand::state::PoseState;
+
+    /// A frame with a pose at each of these errors and states, the last of them at the return.
+    fn run(last: Option<(PoseState, f64)>) -> Trace {
+        let mut run = trace(vec![pose_mm(Some((PoseState::Both, 0.1))), pose_mm(last)]);
+        run.frames[1].t_s = PERIOD_S;
+        run
+    }
+
+    fn line(runs: &[Trace]) -> Vec<String> {
+        let headline = Headline {
+            what: String::new(),
+            published: NOTHING,
+            promised: "under 0.3 mm",
+            refined: told(runs.iter(), 1),
+            paper: Told::words(""),
+        };
+        super::super::headline::table(&[headline]).rows[0].iter().map(Cell::text).collect()
+    }
+
+    #[test]
+    fn a_hand_that_is_lost_or_held_at_the_return_has_no_figure_and_breaks_the_promise() {
+        let good = run(Some((PoseState::Both, 0.2)));
+        let cells = line(&[good.clone()]);
+        assert_eq!((cells[2].as_str(), cells[4].as_str()), ("0.20, at most 0.20 mm", "held"));
+        for lost in [None, Some((PoseState::Held, 0.1)), Some((PoseState::Both, f64::NAN))] {
+            let cells = line(&[run(lost), good.clone()]);
+            assert!(cells[2].starts_with("not measured"), "{cells:?}");
+            assert_eq!(cells[4], "NOT held");
+        }
+        assert_eq!(line(&[good, run(Some((PoseState::One, 0.4)))])[4], "NOT held");
+        assert_eq!(line(&[])[4], "NOT held");
     }
 }

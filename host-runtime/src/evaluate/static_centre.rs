@@ -1,10 +1,11 @@
 //! The error of a resting ball's centre against its diameter, the light and the pixel format.
 
+use super::headline::{Bound, Headline, NOTHING};
 use super::run::{MODES, Variant};
 use super::scenes::{GREY, colour, lights, named};
 use super::statistics::Centres;
 use super::trace::Case;
-use super::{Headline, Outcome, Plan, Traced};
+use super::{Outcome, Plan, Traced};
 use crate::report::{Axis, Cell, Figure, Look, Panel, Section, Series, Table};
 use crate::settings::Mode;
 use tetrad_core::vision::frame::PixelFormat;
@@ -68,7 +69,7 @@ pub(super) fn outcome(plan: Plan, traced: &[Traced]) -> Outcome {
         text: format!(
             "Four balls at a time rest before both cameras, moved by a fraction of a pixel from frame to frame \
              ({} frames a cell), against a plain background. The error is the distance of the reported centre \
-             from that of the true outline, for every ball reported visible. Side light: a lamp from the side, \
+             from that of the true outline, for every ball reported seen, whole or in part. Side light: a lamp from the side, \
              and the shadow side has 70 % or 45 % of full light. YUYV is what most cameras send: two pixels \
              share one colour.",
             plan.pick(60, 15)
@@ -120,16 +121,19 @@ fn panel(light: &'static str, rows: &[Row]) -> Panel {
 
 fn headlines(rows: &[Row]) -> Vec<Headline> {
     type Is<T> = fn(T) -> bool;
-    let line = |what: &str, format: &str, lights: Is<&str>, sizes: Is<u32>, (published, promised)| {
+    /// What is published, what is promised, and its mean and maximum in pixels.
+    type Promise = (&'static str, &'static str, (f64, f64));
+    let line = |what: &str,
+                format: &str,
+                lights: Is<&str>,
+                sizes: Is<u32>,
+                (published, promised, bounds): Promise| {
         let of = |mode: Mode| {
             let own = rows.iter().filter(|row| {
                 row.format == format && row.mode == mode && sizes(row.size) && lights(row.light)
             });
             // every size and light by itself, and the worst stands for them
-            let worst = own.fold((0.0f64, 0.0f64), |(mean, max), row| {
-                (mean.max(row.centres.mean()), max.max(row.centres.max()))
-            });
-            format!("{:.3} px, at most {:.2}", worst.0, worst.1)
+            Centres::worst(own.map(|row| &row.centres), (Bound::Most(bounds.0), Bound::Most(bounds.1)))
         };
         Headline {
             what: what.to_owned(),
@@ -141,6 +145,7 @@ fn headlines(rows: &[Row]) -> Vec<Headline> {
     };
     const PUBLISHED: &str = "0.1 px, at most 0.2";
     const PROMISED: &str = "0.04 px, at most 0.12";
+    const BOUNDS: (f64, f64) = (0.04, 0.12);
     let (even, side, any): (Is<&str>, Is<&str>, Is<&str>) = (|l| l == "even", |l| l != "even", |_| true);
     let (large, small): (Is<u32>, Is<u32>) = (|d| d >= 8, |d| d < 8);
     vec![
@@ -149,16 +154,28 @@ fn headlines(rows: &[Row]) -> Vec<Headline> {
             "RGB",
             even,
             large,
-            (PUBLISHED, PROMISED),
+            (PUBLISHED, PROMISED, BOUNDS),
         ),
-        line("Resting centre, 8 to 65 px, lit from the side", "RGB", side, large, ("\u{2013}", PROMISED)),
+        line(
+            "Resting centre, 8 to 65 px, lit from the side",
+            "RGB",
+            side,
+            large,
+            (NOTHING, PROMISED, BOUNDS),
+        ),
         line(
             "Resting centre, 8 to 65 px, YUYV, worst light",
             "YUYV",
             any,
             large,
-            ("\u{2013}", "0.06 px, at most 0.18"),
+            (NOTHING, "0.06 px, at most 0.18", (0.06, 0.18)),
         ),
-        line("Resting centre, 5 px, worst light", "RGB", any, small, (PUBLISHED, "0.08 px, at most 0.25")),
+        line(
+            "Resting centre, 5 px, worst light",
+            "RGB",
+            any,
+            small,
+            (PUBLISHED, "0.08 px, at most 0.25", (0.08, 0.25)),
+        ),
     ]
 }

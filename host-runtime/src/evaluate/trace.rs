@@ -126,6 +126,14 @@ pub struct HandTrace {
     pub step_error_m: Option<f64>,
 }
 
+impl HandTrace {
+    /// The error of a pose that was measured in this frame: none that is carried on or held.
+    #[must_use]
+    pub fn measured(&self) -> Option<&PoseError> {
+        self.error.as_ref().filter(|_| self.state.is_measured())
+    }
+}
+
 /// Measured against true.
 #[derive(Clone, Copy, Debug)]
 pub struct PoseError {
@@ -149,7 +157,7 @@ pub struct Times {
 }
 
 impl Trace {
-    fn new(variant: Variant) -> Self {
+    pub(super) const fn new(variant: Variant) -> Self {
         Self { variant, frames: Vec::new(), engaged: None, last: None }
     }
 
@@ -206,4 +214,20 @@ impl Trace {
 /// The rotation vector of a matrix that is nearly a rotation.
 fn rotation_vector(turn: &Matrix3<f64>) -> Vector3<f64> {
     Rotation3::from_matrix_eps(turn, 1e-12, 100, Rotation3::identity()).scaled_axis()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_seed_or_label_is_other_noise_and_the_same_is_the_same() {
+        let seed = |label: &str, seed| {
+            let scene = crate::evaluate::scenes::named("static-16px");
+            Case::new(label.to_owned(), scene, seed, &[]).scene.seed
+        };
+        assert_eq!(seed("a", 3), seed("a", 3));
+        assert_ne!(seed("a", 3), seed("a", 4));
+        assert_ne!(seed("a", 3), seed("b", 3));
+    }
 }

@@ -1,10 +1,11 @@
 //! Whether the reported uncertainty is honest: errors divided by the reported standard deviation have
 //! a root mean square of 1 when it is.
 
+use super::headline::{Bound, Headline, NOTHING, Told};
 use super::run::{MODES, Variant};
 use super::scenes::named;
-use super::trace::{Case, PoseError, Trace};
-use super::{Headline, Outcome, Plan, Traced};
+use super::trace::{Case, HandTrace, PoseError, Trace};
+use super::{Outcome, Plan, Traced};
 use crate::report::{Cell, Section, Table};
 use crate::settings::Mode;
 use nalgebra::Vector6;
@@ -62,6 +63,8 @@ fn is_timed(name: &str) -> bool {
 struct Ratio {
     count: usize,
     squares: f64,
+    /// Samples without a ratio: no covariance, none that can be inverted, or no error.
+    failed: usize,
 }
 
 impl Ratio {
@@ -69,94 +72,176 @@ impl Ratio {
         if square.is_finite() {
             self.count += 1;
             self.squares += square;
+        } else {
+            self.failed += 1;
         }
     }
 
+    /// Of all samples that have a ratio; not a number where there is none.
     fn root(self) -> f64 {
         (self.squares / self.count as f64).sqrt()
+    }
+
+    const fn samples(self) -> usize {
+        self.count + self.failed
+    }
+
+    fn pooled(ratios: &[(String, Self)]) -> Self {
+        ratios.iter().fold(Self::default(), |all, (_, one)| Self {
+            count: all.count + one.count,
+            squares: all.squares + one.squares,
+            failed: all.failed + one.failed,
+        })
+    }
+
+    /// How far from honest, too bold or too modest alike; without a ratio infinitely.
+    fn dishonesty(self) -> f64 {
+        let logarithm = self.root().ln().abs();
+        if self.failed > 0 || logarithm.is_nan() { f64::INFINITY } else { logarithm }
+    }
+}
+
+/// The columns of [`cells`].
+const COLUMNS: [&str; 3] = ["samples", "without_ratio", "rms"];
+
+fn cells(ratio: Ratio) -> [Cell; 3] {
+    let rms = if ratio.samples() == 0 { DID_NOT_OCCUR.into() } else { Cell::number(ratio.root()) };
+    [Cell::count(ratio.samples()), Cell::count(ratio.failed), rms]
+}
+
+const DID_NOT_OCCUR: &str = "did not occur";
+
+/// A kind of sample: what it is, its state, and how it is counted in a run.
+struct Kind {
+    what: &'static str,
+    state: &'static str,
+    of: Box<dyn Fn(&Trace) -> Ratio>,
+}
+
+impl Kind {
+    /// Every state of a centre, then every state of a pose.
+    fn all() -> Vec<Self> {
+        let centre = |state: ObservationState| Self {
+            what: "centre",
+            state: state.name(),
+            of: Box::new(move |trace| centres(trace, state)),
+        };
+        let pose = |state: PoseState| Self {
+            what: "pose",
+            state: state.name(),
+            of: Box::new(move |trace| poses(trace, state)),
+        };
+        let with_pose = PoseState::ALL.into_iter().filter(|state| *state != PoseState::Lost);
+        OBSERVED.into_iter().map(centre).chain(with_pose.map(pose)).collect()
+    }
+
+    /// The ratio of every run of a mode, and where it comes from.
+    fn by_scene(&self, traced: &[Traced], mode: Mode) -> Vec<(String, Ratio)> {
+        let runs = traced.iter().flat_map(|Traced { case, traces }| {
+            traces.iter().filter(|trace| trace.variant.mode == mode).map(move |trace| (case, trace))
+        });
+        let run = |(case, trace): (&Case, &Trace)| {
+            let cameras = if trace.variant.cameras == 1 { ", 1 camera" } else { "" };
+            let scene = case.label.trim_start_matches(LABEL);
+            (format!("{scene}{cameras}"), (self.of)(trace))
+        };
+        runs.map(run).collect()
     }
 }
 
 pub(super) fn outcome(_: Plan, traced: &[Traced]) -> Outcome {
-    let traces =
-        |mode: Mode| traced.iter().flat_map(|t| &t.traces).filter(move |trace| trace.variant.mode == mode);
     let mut rows: Vec<Vec<Cell>> = Vec::new();
-    let mut told: Vec<String> = Vec::new();
-    let mut row = |what: &str, state: &'static str, mode: Mode, ratio: Ratio| {
-        if mode == Mode::Refined && ratio.count > 0 {
-            told.push(format!("{what} {state} {:.2}", ratio.root()));
+    let mut scenes: Vec<Vec<Cell>> = Vec::new();
+    let mut headlines = Vec::new();
+    for kind in Kind::all() {
+        let [paper, refined] = MODES.map(|mode| kind.by_scene(traced, mode));
+        // paper mode says nothing of its pose
+        let says = kind.what == "centre";
+        let told_paper = if says { told(&paper, Bound::Free) } else { Told::words(NOTHING) };
+        let row = |ratio: Ratio, first: [&str; 3]| {
+            first.map(Cell::from).into_iter().chain(cells(ratio)).collect::<Vec<_>>()
+        };
+        if says {
+            rows.push(row(Ratio::pooled(&paper), [kind.what, kind.state, Mode::Paper.name()]));
         }
-        let count = Cell::count(ratio.count);
-        rows.push(vec![what.into(), state.into(), mode.name().into(), count, Cell::number(ratio.root())]);
-    };
-    for state in OBSERVED {
-        for mode in MODES {
-            row("centre", state.name(), mode, centres(traces(mode), state));
-        }
+        rows.push(row(Ratio::pooled(&refined), [kind.what, kind.state, Mode::Refined.name()]));
+        let occurred = refined.iter().filter(|(_, ratio)| ratio.samples() > 0);
+        scenes.extend(occurred.map(|(scene, ratio)| row(*ratio, [kind.what, kind.state, scene])));
+        headlines.push(headline(kind.what, kind.state, &refined, told_paper));
     }
-    let by_scene = traced.iter().flat_map(|Traced { case, traces }| {
-        let refined = traces.iter().filter(|trace| trace.variant.mode == Mode::Refined);
-        refined.flat_map(move |trace| scene_rows(case, trace))
-    });
-    let by_scene = Table {
-        name: "uncertainty-scenes",
-        caption: "The same by scene, refined".to_owned(),
-        columns: vec!["scene", "cameras", "what", "state", "count", "rms"],
-        rows: by_scene.collect(),
-    };
-    let of_refined = |state: PoseState| poses(traces(Mode::Refined), state);
-    for state in PoseState::ALL.into_iter().filter(|state| *state != PoseState::Lost) {
-        row("pose", state.name(), Mode::Refined, of_refined(state));
-    }
+    let columns = |first: [&'static str; 3]| first.into_iter().chain(COLUMNS).collect();
     let section = Section {
         id: "uncertainty",
         title: "Errors against the reported uncertainty".to_owned(),
         text: "Every observation and every pose says how well it is known. Here the errors are divided by what was \
                reported (e\u{1d40} C\u{207b}\u{00b9} e over its dimensions, 2 or 6), over thirteen scenes at rest, moving, covered and \
                crossing, with two cameras and with one. A root mean square of 1 is honest, below 1 too modest, \
-               above 1 too bold. Paper mode says nothing of its pose."
+               above 1 too bold. Samples without a ratio have no covariance or none that can be inverted. Paper \
+               mode says nothing of its pose."
             .to_owned(),
-        tables: vec![Table {
-            name: "uncertainty",
-            caption: "Errors divided by the reported standard deviation, root mean square".to_owned(),
-            columns: vec!["what", "state", "mode", "count", "rms"],
-            rows,
-        }, by_scene],
+        tables: vec![
+            Table {
+                name: "uncertainty",
+                caption: "Errors divided by the reported standard deviation, root mean square".to_owned(),
+                columns: columns(["what", "state", "mode"]),
+                rows,
+            },
+            Table {
+                name: "uncertainty-scenes",
+                caption: "The same by scene, refined; states that occurred".to_owned(),
+                columns: columns(["what", "state", "scene"]),
+                rows: scenes,
+            },
+        ],
         figures: Vec::new(),
     };
-    let headlines = vec![Headline {
-        what: "Errors over reported sigma, by state (1 is honest)".to_owned(),
-        published: "\u{2013}",
-        promised: "0.7 to 1.4",
-        refined: told.join(", "),
-        paper: "\u{2013}".to_owned(),
-    }];
     Outcome { section, headlines }
 }
 
-/// The rows of one run: each state that occurred.
-fn scene_rows(case: &Case, trace: &Trace) -> Vec<Vec<Cell>> {
-    let row = |what: &str, state: &str, ratio: Ratio| {
-        let cameras = Cell::count(trace.variant.cameras);
-        let scene = case.label.trim_start_matches(LABEL);
-        let count = Cell::count(ratio.count);
-        (ratio.count > 0).then(|| {
-            vec![scene.into(), cameras, what.into(), state.into(), count, Cell::number(ratio.root())]
-        })
-    };
-    let one = || std::iter::once(trace);
-    let centres = OBSERVED.iter().filter_map(|&state| row("centre", state.name(), centres(one(), state)));
-    let poses = PoseState::ALL.iter().filter_map(|&state| row("pose", state.name(), poses(one(), state)));
-    centres.chain(poses).collect()
+fn headline(what: &str, state: &str, refined: &[(String, Ratio)], paper: Told) -> Headline {
+    Headline {
+        what: format!("Error over reported sigma (1 is honest), {what} {state}"),
+        published: NOTHING,
+        promised: "0.7 to 1.4, all scenes together",
+        refined: told(refined, Bound::Between(0.7, 1.4)),
+        paper,
+    }
 }
 
-fn centres<'a>(traces: impl Iterator<Item = &'a Trace>, state: ObservationState) -> Ratio {
+/// The pooled ratio, held against its bound, and the scene farthest from 1.
+fn told(ratios: &[(String, Ratio)], bound: Bound) -> Told {
+    let pooled = Ratio::pooled(ratios);
+    if pooled.samples() == 0 {
+        return Told::words("").failed(DID_NOT_OCCUR);
+    }
+    let occurred = ratios.iter().filter(|(_, ratio)| ratio.samples() > 0);
+    let worst = occurred.max_by(|(_, a), (_, b)| a.dishonesty().total_cmp(&b.dishonesty()));
+    let mut told = Told::default().figure(("", ""), pooled.root(), 2, bound);
+    told = told.note(&format!(" of {} samples", pooled.samples()));
+    if let Some((scene, ratio)) = worst {
+        let root = if ratio.failed > 0 { "none".to_owned() } else { format!("{:.2}", ratio.root()) };
+        told = told.note(&format!("; worst scene {root} ({scene}, {} samples)", ratio.samples()));
+    }
+    if pooled.failed > 0 {
+        told = told.failed(&format!("; {} have no usable covariance", pooled.failed));
+    }
+    told
+}
+
+fn centres(trace: &Trace, state: ObservationState) -> Ratio {
     let mut ratio = Ratio::default();
-    let frames = traces.flat_map(|trace| &trace.frames);
-    for ball in
-        frames.flat_map(|frame| frame.cameras.iter().flatten()).filter(|ball| ball.seen.state == state)
-    {
+    let balls = trace.frames.iter().flat_map(|frame| frame.cameras.iter().flatten());
+    for ball in balls.filter(|ball| ball.seen.state == state) {
         ratio.add(mahalanobis(&ball.seen, ball.error_uv()) / 2.0);
+    }
+    ratio
+}
+
+fn poses(trace: &Trace, state: PoseState) -> Ratio {
+    let mut ratio = Ratio::default();
+    let hands = trace.frames.iter().filter_map(|frame| frame.hand.as_ref());
+    for hand in hands.filter(|hand: &&HandTrace| hand.state == state) {
+        ratio.add(hand.error.as_ref().map_or(f64::NAN, normalised) / 6.0);
     }
     ratio
 }
@@ -168,15 +253,6 @@ fn mahalanobis(seen: &Observation, (u, v): (f64, f64)) -> f64 {
     if determinant > 0.0 { (vv * u * u - 2.0 * uv * u * v + uu * v * v) / determinant } else { f64::NAN }
 }
 
-fn poses<'a>(traces: impl Iterator<Item = &'a Trace>, state: PoseState) -> Ratio {
-    let mut ratio = Ratio::default();
-    let hands = traces.flat_map(|trace| &trace.frames).filter_map(|frame| frame.hand.as_ref());
-    for error in hands.filter(|hand| hand.state == state).filter_map(|hand| hand.error.as_ref()) {
-        ratio.add(normalised(error) / 6.0);
-    }
-    ratio
-}
-
 fn normalised(error: &PoseError) -> f64 {
     let Some(covariance) = error.covariance else { return f64::NAN };
     let (t, w) = (error.translation_m, error.rotation_rad);
@@ -185,23 +261,4 @@ fn normalised(error: &PoseError) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::{Matrix6, Vector3};
-    use tetrad_core::observation::ImageCovariance;
-
-    #[test]
-    fn an_error_of_one_sigma_in_every_direction_counts_as_its_dimensions() {
-        let covariance = ImageCovariance { uu: 0.04, uv: 0.0, vv: 0.09 };
-        let seen = Observation { covariance, ..Observation::default() };
-        assert!((mahalanobis(&seen, (0.2, -0.3)) - 2.0).abs() < 1e-6);
-        assert!(mahalanobis(&Observation::default(), (0.2, 0.3)).is_nan());
-        let error = PoseError {
-            translation_m: Vector3::new(0.001, -0.001, 0.001),
-            rotation_rad: Vector3::new(0.01, 0.01, -0.01),
-            covariance: Some(Matrix6::from_diagonal(&Vector6::new(1e-6, 1e-6, 1e-6, 1e-4, 1e-4, 1e-4))),
-        };
-        assert!((normalised(&error) - 6.0).abs() < 1e-5);
-        assert!(normalised(&PoseError { covariance: None, ..error }).is_nan());
-    }
-}
+mod tests;
