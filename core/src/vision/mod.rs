@@ -27,6 +27,8 @@ pub mod validation;
 
 pub mod detect;
 
+mod forecast;
+
 mod track;
 
 mod reacquire;

@@ -2,13 +2,14 @@
 
 use super::appearance::{Appearance, LearntBall, LearntBallError};
 use super::centre::Clean;
+use super::forecast::{Forecast, Outcome};
 use super::rim::RimMemory;
 use crate::config::Retry;
 use crate::geometry::ImagePoint;
 use crate::observation::BALLS;
 
 /// How far ahead the linear prediction reaches, microseconds: past that a hand has turned round.
-const MAX_EXTRAPOLATION_US: u64 = 150_000;
+pub(super) const MAX_EXTRAPOLATION_US: u64 = 150_000;
 
 /// A global search for something better than a doubtful find is made once in this time, microseconds.
 const SECOND_LOOK_US: u64 = 100_000;
@@ -86,6 +87,8 @@ pub(super) struct BallTrack {
     pub(super) clean: Clean,
     /// The rim as it was last found.
     pub(super) rim: Option<RimMemory>,
+    /// How well it is known where nobody sees it.
+    pub(super) forecast: Forecast,
     /// Where the others were when this one was last measured.
     pub(super) companions: [Option<ImagePoint>; BALLS],
     last: Option<Fix>,
@@ -106,6 +109,7 @@ impl BallTrack {
             appearance: Appearance::new(learnt)?,
             clean: Clean::taught(learnt.diameter, learnt.aspect),
             rim: None,
+            forecast: Forecast::new(learnt.diameter),
             companions: [None; BALLS],
             last: None,
             velocity: ImagePoint::default(),
@@ -149,6 +153,21 @@ impl BallTrack {
     /// Microseconds since it was measured; `None` if it never was.
     pub(super) fn absent_us(&self, t_us: u64) -> Option<u64> {
         self.last.map(|fix| t_us.saturating_sub(fix.t_us))
+    }
+
+    /// Compares its prediction with where it was measured, before [`Self::measured`].
+    pub(super) fn judge_prediction(
+        &mut self,
+        t_us: u64,
+        measured: ImagePoint,
+        variance: f32,
+        (predicted, carried): (Option<ImagePoint>, Option<ImagePoint>),
+    ) {
+        let absent = self.absent_us(t_us).filter(|us| (1..=MAX_SPEED_BASE_US).contains(us));
+        if let (Some(before), Some(us), Some(predicted)) = (self.last_centre(), absent, predicted) {
+            let s = us as f32 * 1e-6;
+            self.forecast.learn(&Outcome { measured, before, predicted, carried, variance, s });
+        }
     }
 
     /// The ball was measured. `trusted` is false where the place alone is good, not the motion: after

@@ -361,6 +361,12 @@ impl CameraTracker {
             let Some(track) = track else { continue };
             if let Some(find) = find {
                 let moves = find.mode != Mode::Global && find.score >= self.config.shape.doubtful_score;
+                if let (Some(rim), true) = (&find.rim, moves) {
+                    let variance = (rim.covariance.uu + rim.covariance.vv) * 0.5;
+                    let expected = predicted.get(k).copied().flatten();
+                    let carried = suggested(track, &places).map(|(place, _)| place);
+                    track.judge_prediction(t_us, find.centre, variance, (expected, carried));
+                }
                 track.measured(t_us, find.centre, moves);
                 track.settle(find.attempt, find.score);
                 track.companions = places;
@@ -394,10 +400,10 @@ impl CameraTracker {
                         state: ObservationState::Predicted,
                         centre,
                         diameter: track.diameter(),
-                        covariance: ImageCovariance::isotropic(if refined {
-                            predicted_sigma(track.diameter(), absent)
-                        } else {
-                            PREDICTED_SIGMA * track.clean.diameter
+                        covariance: ImageCovariance::isotropic(match (refined, carried) {
+                            (true, Some(_)) => track.forecast.carried_sigma(track.diameter(), absent),
+                            (true, None) => track.forecast.sigma(track.diameter(), absent),
+                            (false, _) => PREDICTED_SIGMA * track.clean.diameter,
                         }),
                         visible: 0.0,
                     };
@@ -407,13 +413,6 @@ impl CameraTracker {
             }
         }
     }
-}
-
-/// How well a place is known that nobody has seen for a time: the standard deviation of the predictions
-/// on the scenes, all of a calm hand. It grows with the time and its square.
-fn predicted_sigma(diameter: f32, absent_us: u64) -> f32 {
-    let seconds = absent_us as f32 * 1e-6;
-    diameter * (0.005 + 0.14 * seconds + 0.12 * seconds * seconds)
 }
 
 /// How well a row-edge centre is known where the rim was refused.

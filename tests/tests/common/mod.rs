@@ -68,11 +68,24 @@ pub(crate) fn track_as(
     camera: usize,
     config: TrackerConfig,
     format: PixelFormat,
+    each: impl FnMut(&Tracked),
+) {
+    track_shown(scene, camera, config, format, |_, _| {}, each);
+}
+
+/// The same of pictures that are changed before they are shown.
+pub(crate) fn track_shown(
+    scene: &Scene,
+    camera: usize,
+    config: TrackerConfig,
+    format: PixelFormat,
+    change: impl Fn(usize, &mut [u8]),
     mut each: impl FnMut(&Tracked),
 ) {
     let (mut rgb, mut tracker) = (Vec::new(), None);
     for frame in 0..scene.frames() {
         scene.render_rgb(frame, camera, &mut rgb);
+        change(frame, &mut rgb);
         let bytes = to_format(&rgb, scene.width, scene.height, format);
         let view = FrameView::packed(&bytes, scene.width, scene.height, format);
         let view = view.expect("a rendered frame is whole");

@@ -1,6 +1,6 @@
 //! A closed curve through edges, some of which are not on it.
 
-use super::scan::{Edge, Edges, MAX_SCANS};
+use super::scan::{Edge, Edges, MAX_PAIRS, MAX_SCANS};
 use crate::geometry::ImagePoint;
 use nalgebra::{SMatrix, SVector};
 
@@ -26,12 +26,16 @@ const CENTRE_SIGMA: f32 = 20.0;
 /// Edges next to each other are taken to be off alike at most so far: a correlation.
 const MOST_LIKENESS: f32 = 0.7;
 
-/// And at least so far: pixels that share their chroma err to opposite sides.
+/// And at least so far.
 const LEAST_LIKENESS: f32 = -0.35;
 
 /// Edges that are off by more than this, pixels, are so because of what is behind the ball, and that
 /// moves them together.
 const CLUTTER_SIGMA: f32 = 0.045;
+
+/// How much of its square counts of an edge without its pair: it errs by its chroma, which says
+/// nothing of the others.
+const LONE_SHARE: f32 = 0.25;
 
 /// From this weight on an edge is on the curve.
 const INLIER_WEIGHT: f32 = 0.25;
@@ -74,12 +78,17 @@ pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior, is_n
     let scales: &[f32] = if is_near { &NEAR_SCALES } else { &SCALES };
     let last_scale = scales.last().copied().unwrap_or_default();
     let mut rows: heapless::Vec<Row, MAX_SCANS> = heapless::Vec::new();
-    for Edge { x, y, weight } in &edges.edges {
+    for Edge { x, y, weight, pair } in &edges.edges {
         let rho2 = (x * x + y * y).max(1e-3);
         let rho = libm::sqrtf(rho2);
         let (c, s) = (x / rho, y / rho);
         // there are as many places as edges
-        let _ = rows.push(Row { terms: [1.0, c, s, c * c - s * s, 2.0 * c * s], rho, weight: *weight });
+        let _ = rows.push(Row {
+            terms: [1.0, c, s, c * c - s * s, 2.0 * c * s],
+            rho,
+            weight: *weight,
+            pair: *pair,
+        });
     }
     // from the centre of `start`
     let mut unknowns = [start.radius, 0.0, 0.0, start.a, start.b];
@@ -91,13 +100,15 @@ pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior, is_n
         // what the edges on either side were off on the line before
         let mut before = [0.0f32; 2];
         let (mut alike, mut own) = (0.0f32, 1e-9f32);
-        for Row { terms, rho, weight } in &rows {
+        let mut pairs = Pairs::default();
+        for Row { terms, rho, weight, pair } in &rows {
             let off = rho - product(terms, &unknowns);
             let near = 1.0 / (1.0 + off * off * per_scale2);
             let robust = near * near;
             let w = weight * robust;
             weights += w;
             squares += w * off * off;
+            pairs.add(*pair, w, off);
             let [same_side, other_side] = before;
             alike += same_side * w * off;
             own += w * off * w * off;
@@ -110,12 +121,18 @@ pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior, is_n
         let [next] = solved.data.0;
         let step = unknowns.iter().zip(&next).map(|(a, b)| libm::fabsf(a - b)).fold(0.0, f32::max);
         unknowns = next;
-        last = Some((factor, weights, squares, alike / own, inliers));
+        // what a pixel has too much of a chroma, its neighbour has too little of: their mean is right
+        let scatter = if edges.shared_chroma {
+            pairs.scatter()
+        } else {
+            Scatter { weights, squares, likeness: alike / own }
+        };
+        last = Some((factor, scatter, inliers));
         if step <= SETTLED && scale <= last_scale {
             break;
         }
     }
-    let (factor, weights, squares, likeness, inliers) = last?;
+    let (factor, Scatter { weights, squares, likeness }, inliers) = last?;
     // neighbours that are off alike (a thing behind the ball, its texture) tell less than others
     let likeness = if likeness > MOST_LIKENESS { MOST_LIKENESS } else { likeness.max(LEAST_LIKENESS) };
     let repeated = (1.0 + likeness) / (1.0 - likeness);
@@ -148,6 +165,57 @@ struct Row {
     terms: [f32; UNKNOWNS],
     rho: f32,
     weight: f32,
+    pair: usize,
+}
+
+/// How far edges lie off the curve.
+#[derive(Clone, Copy, Debug)]
+struct Scatter {
+    /// Of so many values ...
+    weights: f32,
+    /// ... the sum of the squares, pixels squared.
+    squares: f32,
+    /// The correlation of neighbours.
+    likeness: f32,
+}
+
+/// The edges of lines side by side taken together.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pair {
+    edges: f32,
+    weight: f32,
+    off: f32,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Pairs([Pair; MAX_PAIRS]);
+
+impl Pairs {
+    fn add(&mut self, pair: usize, weight: f32, off: f32) {
+        if let Some(pair) = self.0.get_mut(pair) {
+            pair.edges += 1.0;
+            pair.weight += weight;
+            pair.off += weight * off;
+        }
+    }
+
+    /// That of the pairs' means, each with the variance of an edge of its own.
+    fn scatter(&self) -> Scatter {
+        let mut scatter = Scatter { weights: 0.0, squares: 0.0, likeness: 0.0 };
+        let (mut alike, mut own, mut before) = (0.0f32, 1e-9f32, 0.0f32);
+        for Pair { edges, weight, off } in &self.0 {
+            if *weight > 0.0 {
+                scatter.weights += weight / edges;
+                let share = if *edges > 1.0 { 1.0 } else { LONE_SHARE };
+                scatter.squares += share * off * off / weight;
+            }
+            alike += before * off;
+            own += off * off;
+            before = *off;
+        }
+        scatter.likeness = alike / own;
+        scatter
+    }
 }
 
 fn product(a: &[f32; UNKNOWNS], b: &[f32; UNKNOWNS]) -> f32 {

@@ -6,7 +6,7 @@
 use super::fit::Curve;
 use super::unmix::{Palette, minus, plus, scaled};
 use crate::geometry::round_to_i32;
-use crate::vision::frame::{FrameView, Rgb};
+use crate::vision::frame::{FrameView, PixelFormat, Rgb};
 
 /// The most scans of one ball: ten across each quarter of the rim. From 14 pixels on rows (columns)
 /// are left out, two by two: pixels that share their chroma are both read.
@@ -14,6 +14,12 @@ pub const MAX_SCANS: usize = 40;
 
 /// The most pixels of one scan.
 pub const MAX_SCAN_PIXELS: usize = 20;
+
+/// Lines of a quarter, two by two, from an odd one on.
+const PAIRS_PER_QUARTER: usize = MAX_SCANS / 8 + 1;
+
+/// Pairs of lines.
+pub(super) const MAX_PAIRS: usize = 4 * PAIRS_PER_QUARTER;
 
 /// Share of the radius up to which rows (columns) cross at 45 degrees or less, and a little more, so
 /// that no direction is left out.
@@ -41,6 +47,8 @@ pub(super) struct Edge {
     pub(super) y: f32,
     /// What it counts, by its contrast: 0 to 1.
     pub(super) weight: f32,
+    /// It and the one beside it have the same number: their pixels may share their chroma.
+    pub(super) pair: usize,
 }
 
 /// The crossings of one ball.
@@ -49,6 +57,8 @@ pub(super) struct Edges {
     pub(super) edges: heapless::Vec<Edge, MAX_SCANS>,
     /// Scans made, with or without a crossing.
     pub(super) tried: u32,
+    /// Whether pixels side by side share their chroma.
+    pub(super) shared_chroma: bool,
 }
 
 /// How far a scan reaches to either side of where the rim is expected, pixels.
@@ -76,10 +86,20 @@ pub(super) struct Scanner<'a> {
 impl Scanner<'_> {
     /// Crosses the rim wherever `curve` says that it is.
     pub(super) fn scan(&self, curve: &Curve, tested: &mut u32) -> Edges {
-        let mut found = Edges::default();
+        let shared_chroma = self.shares_chroma(Axis::Row) || self.shares_chroma(Axis::Column);
+        let mut found = Edges { shared_chroma, ..Edges::default() };
         self.quarter(Axis::Row, curve, &mut found, tested);
         self.quarter(Axis::Column, curve, &mut found, tested);
         found
+    }
+
+    /// Whether lines side by side across an axis share their chroma.
+    const fn shares_chroma(&self, axis: Axis) -> bool {
+        match self.frame.format() {
+            PixelFormat::Yuyv | PixelFormat::Uyvy => matches!(axis, Axis::Column),
+            PixelFormat::Nv12 => true,
+            _ => false,
+        }
     }
 
     /// The two opposite quarters of the rim that one axis crosses.
@@ -95,6 +115,9 @@ impl Scanner<'_> {
         let last = round_to_i32(line_centre + half_lines - 0.5);
         let per_side = (MAX_SCANS / 4) as i32;
         let stride = (last.saturating_sub(first) / per_side).saturating_add(1).max(1);
+        // an even line and the odd one after it: where some are left out, none without its other
+        let odd = if self.shares_chroma(axis) { first & 1 } else { 0 };
+        let (first, odd) = if stride > 1 { (first - odd, 0) } else { (first, odd) };
         let radius2 = radius * radius;
         let per_radius3 = 1.0 / (radius2 * radius);
         let per_line2 = 1.0 / (24.0 * line_scale * line_scale);
@@ -111,6 +134,7 @@ impl Scanner<'_> {
             let bulge = per_line2 * radius2 / (half2 * half);
             for outward in [-1, 1] {
                 found.tried += 1;
+                let pair = pair_of(axis, i + odd, outward);
                 let along = half * outward as f32;
                 let (x, y) = if axis == Axis::Row { (along, across) } else { (across, along) };
                 let bent = curve.a * (x * x - y * y) + 2.0 * curve.b * x * y;
@@ -123,7 +147,7 @@ impl Scanner<'_> {
                 let at = (edge - along_centre) / along_scale + bulge * outward as f32;
                 let (x, y) = if axis == Axis::Row { (at, across) } else { (across, at) };
                 // there are as many places as scans
-                let _ = found.edges.push(Edge { x, y, weight });
+                let _ = found.edges.push(Edge { x, y, weight, pair });
             }
         }
     }
@@ -191,6 +215,12 @@ impl Scanner<'_> {
         let edge = start as f32 + outward as f32 * (ball - 0.5);
         Some((edge, (1.0 - variance * (1.0 / MAX_VARIANCE)) * calm))
     }
+}
+
+/// The pairs of lines, told by a number: those of an axis and side follow each other.
+fn pair_of(axis: Axis, line: i32, outward: i32) -> usize {
+    let quarter = usize::from(axis == Axis::Column) * 2 + usize::from(outward > 0);
+    quarter * PAIRS_PER_QUARTER + (line / 2) as usize
 }
 
 /// The outermost pixels of a scan: the background.
