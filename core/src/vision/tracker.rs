@@ -291,10 +291,11 @@ impl CameraTracker {
         for (find, track) in finds.iter_mut().zip(&mut self.tracks) {
             let (Some(find), Some(track)) = (find, track) else { continue };
             let learnt = track.appearance.learnt();
+            let memory = track.rim.zip(track.absent_us(t_us)).map(|(rim, elapsed)| rim.later(elapsed));
             let sought = Sought {
                 blob: &find.blob,
                 matcher: &find.matcher,
-                memory: track.rim.as_ref(),
+                memory: memory.as_ref(),
                 diameter: track.clean.diameter,
                 aspect: aspect_of_pixels(learnt.aspect, learnt.diameter),
                 speed: track.moved(t_us, find.blob.centre),
@@ -302,7 +303,7 @@ impl CameraTracker {
             if let Ok(rim) = find_rim(frame, &sought, c, tested) {
                 find.centre = rim.centre;
                 find.rim = Some(rim);
-                track.rim = Some(RimMemory::after(track.rim.as_ref(), &rim, &find.blob, c));
+                track.rim = Some(RimMemory::after(memory.as_ref(), &rim, &find.blob, c));
             }
         }
     }

@@ -46,6 +46,13 @@ const FADING: f32 = 0.01;
 /// How much less well a radius is known for each frame that passes, as a share.
 const AGEING: f32 = 0.1;
 
+/// Frames further apart than this, microseconds, count as the frames that are missing between them:
+/// 15 a second is the least that is called footage.
+const FRAME_US: f32 = 67_000.0;
+
+/// The most frames that count as missing: then the radius is as good as unknown.
+const MOST_MISSING: f32 = 30.0;
+
 /// What a rim says of its ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim {
@@ -107,6 +114,8 @@ pub struct RimMemory {
     seen: f32,
     /// Frames since then.
     age: f32,
+    /// Frames that are missing between the last rim and the present frame.
+    missing: f32,
     /// From the row-edge centre to the rim's, and the blob that had it.
     offset: ImagePoint,
     diameter: f32,
@@ -120,12 +129,32 @@ impl RimMemory {
         let (whole, seen, age) = match former {
             // a first look that went wrong must not be held against every later one
             Some(former) if rim.visible < former.seen.min(config.whole_visible) => {
-                (former.whole, former.seen - FADING, former.age + 1.0)
+                let frames = 1.0 + former.missing;
+                (former.whole, former.seen - FADING * frames, former.age + frames)
             }
             _ => (rim.shape, rim.visible, 0.0),
         };
         let offset = rim.centre - blob.centre;
-        Self { whole, seen, age, offset, diameter: blob.diameter, height: blob.height }
+        Self { whole, seen, age, missing: 0.0, offset, diameter: blob.diameter, height: blob.height }
+    }
+
+    /// What it is worth `elapsed_us` after the last rim was measured: a hand that was not watched for
+    /// half a second may hold the ball much nearer or farther.
+    #[must_use]
+    pub fn later(self, elapsed_us: u64) -> Self {
+        let missing = (elapsed_us as f32 / FRAME_US - 1.0).max(0.0).min(MOST_MISSING);
+        Self { missing, ..self }
+    }
+
+    /// The standard deviation of the radius, pixels.
+    fn radius_sigma(&self, config: &CentreConfig) -> f32 {
+        let share = config.radius_share * (1.0 + AGEING * self.age) * (1.0 + self.missing);
+        config.radius_pixels + share.min(config.unknown_share) * self.whole.radius
+    }
+
+    /// How far the radius may be from the remembered one, a ratio.
+    fn radius_range(&self, config: &CentreConfig) -> f32 {
+        (config.known_range + config.radius_share * self.missing).min(config.unknown_range)
     }
 
     /// The diameter when most of the rim was last in sight, pixels.
@@ -229,7 +258,7 @@ impl Search<'_> {
                 let radius = (blob.diameter.min(blob.height / aspect)) * 0.5;
                 let palette = self.palette(blob.centre, radius, tested)?;
                 let radius = memory.map_or(diameter * 0.5, |m| m.whole.radius);
-                let radius_range = if memory.is_some() { c.known_range } else { c.unknown_range };
+                let radius_range = memory.map_or(c.unknown_range, |m| m.radius_range(c));
                 let rays = Rays { frame: self.frame, palette: &palette, aspect, radius, radius_range };
                 let circle = rays.circle(blob.centre, tested).ok_or(RimRefusal::TooLittle)?;
                 Curve { centre: circle.centre, radius: circle.radius, a, b }
@@ -292,8 +321,7 @@ impl Search<'_> {
         match self.sought.memory {
             Some(memory) => Prior {
                 radius: memory.whole.radius,
-                radius_sigma: c.radius_pixels
-                    + c.radius_share * memory.whole.radius * (1.0 + AGEING * memory.age),
+                radius_sigma: memory.radius_sigma(c),
                 a: memory.whole.a,
                 b: memory.whole.b,
                 harmonic_sigma: c.harmonic_share * memory.whole.radius,

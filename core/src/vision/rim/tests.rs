@@ -81,6 +81,26 @@ fn a_third_of_the_rim_still_has_the_centre() {
 }
 
 #[test]
+fn a_size_remembered_for_half_a_second_is_not_held_against_a_ball_that_came_nearer() {
+    let (u, v) = (100.3, 90.6);
+    let mut picture = Painter::new();
+    picture.ball(Ball::Red, u, v, 40.0);
+    let (whole, blob) = rim(&picture, Ball::Red, (100, 90), 40.0, None).unwrap();
+    let memory = RimMemory::after(None, &whole, &blob, &CentreConfig::default());
+    let mut picture = Painter::new();
+    picture.ball(Ball::Red, u, v, 52.0);
+    picture.block(112, 50, 150, 130, Rgb::new(205, 160, 135));
+    let after = |elapsed_us| {
+        let memory = memory.later(elapsed_us);
+        let (rim, _) = rim(&picture, Ball::Red, (95, 90), 40.0, Some(&memory)).unwrap();
+        off(&rim, u, v)
+    };
+    let (late, at_once) = (after(560_000), after(33_000));
+    assert!(late < 0.3 && at_once > 3.0 * late, "{late} {at_once}");
+    assert_eq!(memory.later(33_000), memory, "frames of a video are not far apart");
+}
+
+#[test]
 fn whole_pixels_do_not_make_square_ones_oblong() {
     assert_eq!(aspect_of_pixels(4.0 / 6.0, 6.0), 1.0);
     assert_eq!(aspect_of_pixels(15.0 / 17.0, 17.0), 1.0);
