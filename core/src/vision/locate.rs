@@ -37,7 +37,7 @@ pub(super) struct Find {
 }
 
 impl Find {
-    fn new(candidate: Candidate, mode: Mode) -> Self {
+    pub(super) fn new(candidate: Candidate, mode: Mode) -> Self {
         let Candidate { blob, matcher, score } = candidate;
         Self {
             blob,

@@ -92,6 +92,8 @@ pub(super) struct BallTrack {
     /// Where the others were when this one was last measured.
     pub(super) companions: [Option<ImagePoint>; BALLS],
     last: Option<Fix>,
+    /// The standard deviation of that place, pixels.
+    known: f32,
     /// Pixels a microsecond.
     velocity: ImagePoint,
     /// Where somebody said that it is: until the next frame.
@@ -112,6 +114,7 @@ impl BallTrack {
             forecast: Forecast::new(learnt.diameter),
             companions: [None; BALLS],
             last: None,
+            known: 0.0,
             velocity: ImagePoint::default(),
             placed: None,
             round: 0,
@@ -168,6 +171,16 @@ impl BallTrack {
             let s = us as f32 * 1e-6;
             self.forecast.learn(&Outcome { measured, before, predicted, carried, variance, s });
         }
+    }
+
+    /// How well the last place is known: a standard deviation, pixels.
+    pub(super) const fn known(&self) -> f32 {
+        self.known
+    }
+
+    /// Notes how well the last place is known.
+    pub(super) const fn known_to(&mut self, sigma: f32) {
+        self.known = sigma;
     }
 
     /// The ball was measured. `trusted` is false where the place alone is good, not the motion: after

@@ -7,36 +7,23 @@
 //! A ball that is found skips the searches after its own. Every path ends in an observation whose
 //! state says how the place is known; a place that was not measured is never called visible.
 
+mod judge;
+mod refine;
+mod report;
+
 use super::appearance::{LearntBall, LearntBallError, background_around};
 use super::centre::Clean;
 use super::detect::Scratch;
 use super::frame::FrameView;
-use super::locate::{Doubtful, Find, Finds, Locator, places};
-use super::occlusion::{Seen, centre_behind, centre_beyond_the_edge, is_hidden_by, touch};
-use super::reacquire::{Places, stray, suggested};
-use super::rim::{RimMemory, Sought, aspect_of_pixels, find_rim};
+use super::locate::{Finds, Locator};
+use super::reacquire::Places;
 use super::search::Region;
 pub use super::track::Mode;
 use super::track::{BallTrack, Tracks};
-use super::validation::{geometric_mismatch, is_whole, shape_holds};
-use crate::config::{CentreMode, ConfigError, TrackerConfig};
+use crate::config::{ConfigError, TrackerConfig};
 use crate::geometry::ImagePoint;
-use crate::observation::{BALLS, Ball, ImageCovariance, Observation, ObservationState, Observations};
+use crate::observation::{BALLS, Ball, Observations};
 use core::fmt;
-
-/// The standard deviation of a row-edge centre along each axis, px: section 5 reports a mean error
-/// of 0.1 px in even light. The measure itself says nothing about the light.
-const PAPER_SIGMA_PX: f32 = 0.1;
-
-/// That of a whole ball whose rim was refused, in diameters: the row edges of a ball lit from one side
-/// are off by a tenth.
-const UNREFINED_SIGMA: f32 = 0.1;
-
-/// That of a ball seen in part whose rim was refused.
-const UNREFINED_PART_SIGMA: f32 = 0.25;
-
-/// That of a predicted place, in diameters.
-const PREDICTED_SIGMA: f32 = 0.5;
 
 /// Where each ball is expected, if anybody knows better than the linear prediction.
 pub type Prediction = [Option<ImagePoint>; BALLS];
@@ -181,145 +168,6 @@ impl CameraTracker {
         predicted
     }
 
-    /// Finds that look little like their balls: the larger window is searched for better ones, and
-    /// the whole picture too when that has lasted (the flag); where there is none they are kept if
-    /// they may be the rest of a ball that stands where it is expected, and else dropped.
-    fn set_doubtful_aside(&mut self, t_us: u64, predicted: &Places, finds: &mut Finds) -> Doubtful {
-        let shape = &self.config.shape;
-        let mut aside = [None; BALLS];
-        let slots = finds.iter_mut().zip(&mut aside).zip(&mut self.tracks).zip(predicted);
-        for (((find, aside), track), expected) in slots {
-            let (Some(found), Some(track)) = (&find, track) else { continue };
-            let doubtful = found.score < shape.doubtful_score && !found.blob.cut;
-            let lasting = track.doubt(doubtful, t_us, shape.doubt_us);
-            if doubtful {
-                let reach = shape.doubtful_reach * track.clean.diameter.max(track.clean.height);
-                let near = expected.is_some_and(|expected| found.centre.distance(expected) <= reach);
-                *aside = find.take().filter(|_| near).map(|find| (find, lasting));
-            }
-        }
-        aside
-    }
-
-    /// While nothing else of a rigid frame is seen, a thing that is not a whole ball is no ball.
-    fn drop_lone_part(&self, finds: &mut Finds) {
-        let taught = self.tracks.iter().flatten().count();
-        let mut found = finds.iter_mut().filter(|find| find.is_some());
-        if let (Some(lone), None) = (found.next(), found.next())
-            && self.config.rigid
-            && taught > 1
-            && lone.as_ref().is_some_and(|find| !find.whole)
-        {
-            *lone = None;
-        }
-    }
-
-    /// A thing of a ball's colour far from the hand: neither found nor remembered.
-    fn drop_stray(&mut self, finds: &mut Finds) {
-        if !self.config.rigid {
-            return;
-        }
-        let mut diameters = [0.0; BALLS];
-        for (diameter, track) in diameters.iter_mut().zip(&self.tracks) {
-            *diameter = track.as_ref().map_or(0.0, |t| t.clean.diameter);
-        }
-        if let Some(k) = stray(&places(finds), &diameters)
-            && let (Some(find), Some(Some(track))) = (finds.get_mut(k), self.tracks.get_mut(k))
-        {
-            *find = None;
-            track.forget();
-        }
-    }
-
-    fn judge_whole(&mut self, finds: &mut Finds) {
-        let c = self.config;
-        for (find, track) in finds.iter_mut().zip(&mut self.tracks) {
-            if let (Some(find), Some(track)) = (find, track) {
-                let aspect = track.appearance.learnt().aspect;
-                find.whole = is_whole(&find.blob, &track.clean, aspect, &c.shape, &c.occlusion);
-                let round = !find.blob.cut && shape_holds(&find.blob, aspect, &c.shape);
-                // A ball that stays round has come nearer or gone away; it is not hidden.
-                find.whole |= track.looks_round(round);
-                find.whole &= find.score >= c.shape.whole_score;
-            }
-        }
-    }
-
-    /// Section 3.4: of two balls that touch, the one that lost more of its area is behind the other.
-    fn place_hidden(&self, frame: &FrameView<'_>, finds: &mut Finds, tested: &mut u32) {
-        let c = &self.config.occlusion;
-        let before = *finds;
-        let seen = |find: &Option<Find>, track: &Option<BallTrack>| {
-            find.as_ref().zip(track.as_ref()).map(|(f, t)| Seen {
-                centre: f.blob.centre,
-                area_share: f.blob.area / t.clean.area.max(1.0),
-                clean: t.clean,
-            })
-        };
-        for (k, (find, track)) in finds.iter_mut().zip(&self.tracks).enumerate() {
-            let Some(x) = seen(find, track) else { continue };
-            let Some(find) = find else { continue };
-            let mut front: Option<Seen> = None;
-            for (l, (other, other_track)) in before.iter().zip(&self.tracks).enumerate() {
-                let Some(y) = seen(other, other_track) else { continue };
-                if l == k || !touch(x.centre, &x.clean, y.centre, &y.clean, c) {
-                    continue;
-                }
-                find.touching = true;
-                if is_hidden_by(&x, &y, c)
-                    && front.is_none_or(|f| x.centre.distance(y.centre) < x.centre.distance(f.centre))
-                {
-                    front = Some(y);
-                }
-            }
-            if let Some(y) = front {
-                find.whole = false;
-                find.centre =
-                    centre_behind(frame, &find.matcher, &find.blob, &x.clean, y.centre, &y.clean, tested);
-            } else if find.blob.cut {
-                find.centre = centre_beyond_the_edge(frame, &find.blob, &x.clean);
-            }
-        }
-    }
-
-    /// Where a ball's rim is found, its centre takes the place of the row edges' (and of eq. 3).
-    fn refine(&mut self, frame: &FrameView<'_>, t_us: u64, finds: &mut Finds, tested: &mut u32) {
-        let c = &self.config.centre;
-        if c.mode == CentreMode::RowEdge {
-            return;
-        }
-        for (find, track) in finds.iter_mut().zip(&mut self.tracks) {
-            let (Some(find), Some(track)) = (find, track) else { continue };
-            let learnt = track.appearance.learnt();
-            let memory = track.rim.zip(track.absent_us(t_us)).map(|(rim, elapsed)| rim.later(elapsed));
-            let sought = Sought {
-                blob: &find.blob,
-                matcher: &find.matcher,
-                memory: memory.as_ref(),
-                diameter: track.clean.diameter,
-                aspect: aspect_of_pixels(learnt.aspect, learnt.diameter),
-                speed: track.moved(t_us, find.blob.centre),
-            };
-            if let Ok(rim) = find_rim(frame, &sought, c, tested) {
-                find.centre = rim.centre;
-                find.rim = Some(rim);
-                track.rim = Some(RimMemory::after(memory.as_ref(), &rim, &find.blob, c));
-            }
-        }
-    }
-
-    /// Section 3.5. Colours are confirmed only when all tracked balls are whole and, for a rigid
-    /// frame, stand to each other as predicted.
-    fn validate(&mut self, finds: &Finds, predicted: &Places, report: &mut StepReport) {
-        report.mismatch = geometric_mismatch(&places(finds), predicted);
-        let all_whole = finds.iter().zip(&self.tracks).all(|(find, track)| {
-            track.is_none() || find.as_ref().is_some_and(|f| f.whole && f.mode == Mode::Tracking)
-        });
-        let stand_right =
-            !self.config.rigid || report.mismatch.is_none_or(|m| m <= self.config.validation.max_mismatch);
-        report.validated = all_whole && stand_right && self.tracks.iter().any(Option::is_some);
-    }
-
     fn follow_colours(&mut self, frame: &FrameView<'_>, finds: &Finds, report: &mut StepReport) {
         let c = &self.config;
         for (find, track) in finds.iter().zip(&mut self.tracks) {
@@ -349,77 +197,6 @@ impl CameraTracker {
             }
         }
     }
-
-    fn remember(&mut self, t_us: u64, finds: &Finds, predicted: &Places, report: &mut StepReport) {
-        let places = places(finds);
-        let predict_us = self.config.occlusion.predict_us;
-        let rigid = self.config.rigid;
-        let refined = self.config.centre.mode == CentreMode::Refined;
-        let outputs = report.observations.iter_mut().zip(&mut report.modes).zip(&mut report.scores);
-        for (k, ((((observation, mode), score), track), find)) in
-            outputs.zip(&mut self.tracks).zip(finds).enumerate()
-        {
-            let Some(track) = track else { continue };
-            if let Some(find) = find {
-                let moves = find.mode != Mode::Global && find.score >= self.config.shape.doubtful_score;
-                if let (Some(rim), true) = (&find.rim, moves) {
-                    let variance = (rim.covariance.uu + rim.covariance.vv) * 0.5;
-                    let expected = predicted.get(k).copied().flatten();
-                    let carried = suggested(track, &places).map(|(place, _)| place);
-                    track.judge_prediction(t_us, find.centre, variance, (expected, carried));
-                }
-                track.measured(t_us, find.centre, moves);
-                track.settle(find.attempt, find.score);
-                track.companions = places;
-                if let Some(own) = track.companions.get_mut(k) {
-                    *own = None;
-                }
-                *mode = find.mode;
-                *score = find.score;
-                let seen = (find.blob.area / track.clean.area.max(1.0)).min(1.0);
-                let (covariance, visible) = match (find.rim, refined) {
-                    (Some(rim), _) => (rim.covariance, rim.visible),
-                    (None, true) => (unrefined(find, track.diameter()), seen),
-                    (None, false) => (ImageCovariance::isotropic(PAPER_SIGMA_PX), seen),
-                };
-                *observation = Observation {
-                    state: if find.whole { ObservationState::Visible } else { ObservationState::Occluded },
-                    centre: find.centre,
-                    diameter: track.diameter(),
-                    covariance,
-                    visible,
-                };
-                continue;
-            }
-            track.missing();
-            *mode = Mode::Lost;
-            let carried = if rigid { suggested(track, &places).map(|(p, _)| p) } else { None };
-            let place = carried.or_else(|| predicted.get(k).copied().flatten());
-            match (place, track.absent_us(t_us)) {
-                (Some(centre), Some(absent)) if absent <= predict_us => {
-                    *observation = Observation {
-                        state: ObservationState::Predicted,
-                        centre,
-                        diameter: track.diameter(),
-                        covariance: ImageCovariance::isotropic(match (refined, carried) {
-                            (true, Some(_)) => track.forecast.carried_sigma(track.diameter(), absent),
-                            (true, None) => track.forecast.sigma(track.diameter(), absent),
-                            (false, _) => PREDICTED_SIGMA * track.clean.diameter,
-                        }),
-                        visible: 0.0,
-                    };
-                }
-                (_, Some(_)) if !rigid => track.forget(),
-                _ => {}
-            }
-        }
-    }
-}
-
-/// How well a row-edge centre is known where the rim was refused.
-fn unrefined(find: &Find, diameter: f32) -> ImageCovariance {
-    let share = if find.whole { UNREFINED_SIGMA } else { UNREFINED_PART_SIGMA };
-    ImageCovariance::isotropic(PAPER_SIGMA_PX + share * diameter)
 }
 
 #[cfg(test)]

@@ -143,7 +143,15 @@ fn rim(bencher: Bencher<'_, '_>, format: PixelFormat, again: bool) {
     assert_eq!(found, Ok(()));
     let blob = row_edge_centre(&frame, &edges).expect("a ball has a centre");
     let LearntBall { diameter, aspect, .. } = target.learnt;
-    let first = Sought { blob: &blob, matcher: &target.matcher, memory: None, diameter, aspect, speed: 0.0 };
+    let first = Sought {
+        blob: &blob,
+        matcher: &target.matcher,
+        memory: None,
+        expected: None,
+        diameter,
+        aspect,
+        speed: 0.0,
+    };
     let rim = find_rim(&frame, &first, &config, &mut 0).expect("a ball has a rim");
     let memory = RimMemory::after(None, &rim, &blob, &config);
     let sought = Sought { memory: again.then_some(&memory), ..first };

@@ -40,8 +40,17 @@ const SQUARE_SHARE: f32 = 0.2;
 /// ... and where it is so many pixels.
 const SQUARE_PIXELS: f32 = 2.0;
 
+/// Share of its area under which a part of a ball is a sliver: a few pixels thick.
+const SLIVER_SHARE: f32 = 0.3;
+
 /// How much less of a rim is needed each frame to replace the remembered one.
 const FADING: f32 = 0.01;
+
+/// Less of a rim than this never replaces the remembered one: it says too little of the radius.
+const HALF: f32 = 0.5;
+
+/// The most frames for which a radius is thought to change.
+const OLDEST: f32 = 30.0;
 
 /// How much less well a radius is known for each frame that passes, as a share.
 const AGEING: f32 = 0.1;
@@ -130,7 +139,8 @@ impl RimMemory {
             // a first look that went wrong must not be held against every later one
             Some(former) if rim.visible < former.seen.min(config.whole_visible) => {
                 let frames = 1.0 + former.missing;
-                (former.whole, former.seen - FADING * frames, former.age + frames)
+                let fading = if rim.visible < HALF { 0.0 } else { FADING * frames };
+                (former.whole, former.seen - fading, (former.age + frames).min(OLDEST))
             }
             _ => (rim.shape, rim.visible, 0.0),
         };
@@ -179,6 +189,8 @@ pub struct Sought<'a> {
     pub matcher: &'a Matcher,
     /// What is remembered from the frame before.
     pub memory: Option<&'a RimMemory>,
+    /// Where it must be, if a part of it is hidden and others say so.
+    pub expected: Option<ImagePoint>,
     /// The diameter when it was last seen whole (the paper's measure), pixels.
     pub diameter: f32,
     /// Height / width, as learnt.
@@ -199,7 +211,7 @@ pub fn find_rim(
 ) -> Result<Rim, RimRefusal> {
     let search = Search { frame, sought, config };
     let mut best: Result<Rim, RimRefusal> = Err(RimRefusal::TooLittle);
-    for start in [Start::Memory, Start::Blob, Start::Rays] {
+    for start in [Start::Expected, Start::Memory, Start::Blob, Start::Rays] {
         let found = search.from(start, tested);
         if let Ok(rim) = &found
             && !search.is_suspicious(rim)
@@ -218,6 +230,8 @@ pub fn find_rim(
 /// Where the first curve comes from, in the order tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Start {
+    /// A part of it is hidden, and it is known where it must be.
+    Expected,
     /// The blob looks like the last one: its rim lies where that one's did.
     Memory,
     /// The blob is a ball in even light.
@@ -247,6 +261,10 @@ impl Search<'_> {
         let c = self.config;
         let (a, b) = memory.map_or((0.0, 0.0), |m| (m.whole.a, m.whole.b));
         let curve = match (start, memory) {
+            (Start::Expected, Some(memory)) => {
+                let centre = self.sought.expected.ok_or(RimRefusal::TooLittle)?;
+                Curve { centre, radius: memory.whole.radius, a, b }
+            }
             (Start::Memory, Some(memory)) if memory.resembles(blob, c) => {
                 Curve { centre: blob.centre + memory.offset, radius: memory.whole.radius, a, b }
             }
@@ -266,7 +284,7 @@ impl Search<'_> {
             _ => return Err(RimRefusal::TooLittle),
         };
         let palette = self.palette(curve.centre, curve.radius, tested)?;
-        self.follow(curve, start == Start::Memory, &palette, tested)
+        self.follow(curve, matches!(start, Start::Memory | Start::Expected), &palette, tested)
     }
 
     fn palette(&self, centre: ImagePoint, radius: f32, tested: &mut u32) -> Result<Palette, RimRefusal> {
@@ -275,10 +293,14 @@ impl Search<'_> {
             .ok_or(RimRefusal::NoColour)
     }
 
+    /// The share of a disc of `radius` that the blob fills.
+    fn share_of(&self, radius: f32) -> f32 {
+        self.sought.blob.area / (PI * radius * radius * self.sought.aspect).max(1.0)
+    }
+
     /// Whether less of the rim was found than there is of the ball.
     fn is_suspicious(&self, rim: &Rim) -> bool {
-        let Shape { radius, .. } = rim.shape;
-        let share = self.sought.blob.area / (PI * radius * radius * self.sought.aspect).max(1.0);
+        let share = self.share_of(rim.shape.radius);
         rim.visible < self.config.clear_visible && rim.visible < share - self.config.share_slack
     }
 
@@ -341,8 +363,10 @@ impl Search<'_> {
         let c = self.config;
         let blur = round_to_i32((self.sought.speed * c.blur_share).min(c.most_blur));
         let more = blur + if near { 0 } else { 1 };
-        // no farther in than half way to the centre
-        let inside = (c.inside_pixels + more).min(round_to_i32(curve.radius * 0.5).max(2));
+        // no farther in than half way to the centre, and hardly into a sliver
+        let sliver = self.sought.expected.is_some() && self.share_of(curve.radius) < SLIVER_SHARE;
+        let inside =
+            if sliver { 1 } else { (c.inside_pixels + more).min(round_to_i32(curve.radius * 0.5).max(2)) };
         Reach { inside, outside: c.outside_pixels + more }
     }
 
@@ -352,7 +376,7 @@ impl Search<'_> {
         let range = self.config.unknown_range;
         let size = prior.radius.max(1.0);
         (size / range..=size * range).contains(&curve.radius)
-            && curve.centre.distance(blob.centre) <= 1.2 * size + 2.0
+            && curve.centre.distance(self.sought.expected.unwrap_or(blob.centre)) <= 1.2 * size + 2.0
     }
 
     fn judge(&self, fitted: &Fit, tried: u32) -> Result<Rim, RimRefusal> {

@@ -23,7 +23,8 @@ fn rim(
     let limits = SpiralLimits { side: 3.0 * diameter, min_match_256: 12 };
     edges.collect(&view, &matcher, (x, y), limits, &mut tested).unwrap();
     let blob = row_edge_centre(&view, &edges).unwrap();
-    let sought = Sought { blob: &blob, matcher: &matcher, memory, diameter, aspect: 1.0, speed: 0.0 };
+    let sought =
+        Sought { blob: &blob, matcher: &matcher, memory, expected: None, diameter, aspect: 1.0, speed: 0.0 };
     let before = tested;
     let rim = find_rim(&view, &sought, &CentreConfig::default(), &mut tested);
     assert!(tested > before && tested - before < 6000, "{}", tested - before);
@@ -141,8 +142,15 @@ fn a_square_is_no_rim_and_black_has_no_colour() {
         bounds: (90, 92, 80, 109),
         cut: false,
     };
-    let sought =
-        Sought { blob: &blob, matcher: &matcher, memory: None, diameter: 3.0, aspect: 1.0, speed: 0.0 };
+    let sought = Sought {
+        blob: &blob,
+        matcher: &matcher,
+        memory: None,
+        expected: None,
+        diameter: 3.0,
+        aspect: 1.0,
+        speed: 0.0,
+    };
     let refused = find_rim(&picture.view(), &sought, &CentreConfig::default(), &mut 0);
     assert_eq!(refused, Err(RimRefusal::NoColour));
 }
@@ -169,8 +177,15 @@ fn pixels_that_are_not_square_are_allowed_for() {
     let limits = SpiralLimits { side: 90.0, min_match_256: 12 };
     edges.collect(&view, &matcher, (100, 90), limits, &mut tested).unwrap();
     let blob = row_edge_centre(&view, &edges).unwrap();
-    let sought =
-        Sought { blob: &blob, matcher: &matcher, memory: None, diameter: 30.0, aspect: 0.5, speed: 0.0 };
+    let sought = Sought {
+        blob: &blob,
+        matcher: &matcher,
+        memory: None,
+        expected: None,
+        diameter: 30.0,
+        aspect: 0.5,
+        speed: 0.0,
+    };
     let rim = find_rim(&view, &sought, &CentreConfig::default(), &mut tested).unwrap();
     assert!(off(&rim, u, v) < 0.03, "{rim:?}");
     assert!((rim.diameter - 30.0).abs() < 0.2, "{rim:?}");

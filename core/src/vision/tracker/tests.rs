@@ -1,4 +1,5 @@
 use super::*;
+use crate::observation::{Observation, ObservationState};
 use crate::vision::colour::{Primary, Reference};
 use crate::vision::frame::{PixelFormat, Rgb};
 use crate::vision::painter::Painter;
