@@ -152,7 +152,8 @@ impl RimMemory {
     /// half a second may hold the ball much nearer or farther.
     #[must_use]
     pub fn later(self, elapsed_us: u64) -> Self {
-        let missing = (elapsed_us as f32 / FRAME_US - 1.0).max(0.0).min(MOST_MISSING);
+        let frames = (elapsed_us as f32 / FRAME_US - 1.0).min(MOST_MISSING);
+        let missing = frames.max(0.0);
         Self { missing, ..self }
     }
 
