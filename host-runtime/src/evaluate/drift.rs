@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn a_hand_that_is_lost_or_held_at_the_return_has_no_figure_and_breaks_the_promise() {
         let good = run(Some((PoseState::Both, 0.2)));
-        let cells = line(&[good.clone()]);
+        let cells = line(std::slice::from_ref(&good));
         assert_eq!((cells[2].as_str(), cells[4].as_str()), ("0.20, at most 0.20 mm", "held"));
         for lost in [None, Some((PoseState::Held, 0.1)), Some((PoseState::Both, f64::NAN))] {
             let cells = line(&[run(lost), good.clone()]);

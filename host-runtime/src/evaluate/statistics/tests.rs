@@ -68,7 +68,10 @@ fn of_centres(several: &[Centres]) -> (String, String) {
 #[test]
 fn a_whole_ball_that_is_said_to_be_covered_counts_with_its_error() {
     let good = centres(&[ball(ObservationState::Visible, 0.0625)]);
-    assert_eq!(of_centres(&[good.clone()]), ("0.062 px, at most 0.06".to_owned(), "held".to_owned()));
+    assert_eq!(
+        of_centres(std::slice::from_ref(&good)),
+        ("0.062 px, at most 0.06".to_owned(), "held".to_owned())
+    );
     let covered = centres(&[ball(ObservationState::Visible, 0.0625), ball(ObservationState::Occluded, 0.5)]);
     assert_eq!(of_centres(&[covered]).1, "NOT held");
     let predicted =
@@ -102,7 +105,7 @@ fn of_poses(several: &[Poses]) -> (String, String) {
 fn a_run_without_a_measured_pose_is_not_left_out() {
     let good = Poses::of(&trace(vec![pose_mm(Some((PoseState::Both, 0.5))); 4]));
     assert_eq!(good.share(), 1.0);
-    assert_eq!(of_poses(&[good.clone()]).1, "held");
+    assert_eq!(of_poses(std::slice::from_ref(&good)).1, "held");
     let held = Poses::of(&trace(vec![pose_mm(Some((PoseState::Held, 0.5))), pose_mm(None)]));
     let broken = Poses::of(&trace(vec![
         pose_mm(Some((PoseState::Both, f64::NAN))),
