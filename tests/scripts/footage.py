@@ -322,8 +322,7 @@ cases in which it is farther from the label were looked at, enlarged, with both 
 `refined` is **found** less often on the last two clips because it follows another ball of the same
 colour from some frame on (frame 304 of juggling_tv_red_yellow, 38 of marbles_cg_rgby), and that one is
 more often half hidden, so that its label is `partial` and does not count. With these counted it is at a
-ball nearly as often as the paper's (juggling_tv_red_yellow: 177 frames of a colour against 178). On
-red_handheld it says "predicted" in one frame in which the paper's centre is far from the ball.
+ball nearly as often as the paper's (juggling_tv_red_yellow: 177 frames of a colour against 178).
 
 The aim for **found** counts frames and colours, not balls: where a clip has several balls of one
 colour (juggling_tv_red_yellow: two yellow; marbles_cg_rgby: several of each), a colour is found in a
