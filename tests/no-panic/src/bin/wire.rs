@@ -6,7 +6,8 @@ use core::hint::black_box;
 use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::Observation;
 use tetrad_core::wire::{
-    Covariance, Decoder, Feed, MotionPacket, ObservationPacket, Packet, Transform, decode_body, encode, encode_body,
+    Covariance, Decoder, Feed, MotionPacket, ObservationPacket, Packet, Transform, decode_body, encode,
+    encode_body,
 };
 
 tetrad_no_panic::program!({
