@@ -3,11 +3,13 @@
 //! In every frame in which a ball is measured its prediction can be judged: the excess of the error
 //! over the centre's noise gives an acceleration, and that grows with the time as `a (t^2 / 2 + lag t)`,
 //! where the lag is that of the last difference. Once the prediction stands still, the ball's usual
-//! speed tells how far it may have gone since;  Where the other balls of a rigid frame carry it, what counts is how fast it has
-//! been leaving the places that they carry it to.
+//! speed tells how far it may have gone since. Where the other balls of a rigid frame carry it, what
+//! counts is how fast it has been leaving the places that they carry it to.
 
-use super::track::MAX_EXTRAPOLATION_US;
 use crate::geometry::ImagePoint;
+
+/// How far ahead the linear prediction reaches, microseconds: past that a hand has turned round.
+pub(super) const MAX_EXTRAPOLATION_US: u64 = 150_000;
 
 /// By how much the speed between two frames is late, in frames.
 const LAG_FRAMES: f32 = 0.5;

@@ -2,14 +2,11 @@
 
 use super::appearance::{Appearance, LearntBall, LearntBallError};
 use super::centre::Clean;
-use super::forecast::{Forecast, Outcome};
+use super::forecast::{Forecast, MAX_EXTRAPOLATION_US, Outcome};
 use super::rim::RimMemory;
 use crate::config::Retry;
 use crate::geometry::ImagePoint;
 use crate::observation::BALLS;
-
-/// How far ahead the linear prediction reaches, microseconds: past that a hand has turned round.
-pub(super) const MAX_EXTRAPOLATION_US: u64 = 150_000;
 
 /// A global search for something better than a doubtful find is made once in this time, microseconds.
 const SECOND_LOOK_US: u64 = 100_000;
