@@ -70,6 +70,31 @@ pub fn round_to_i32(value: f32) -> i32 {
     if (whole as f32) > up { whole.saturating_sub(1) } else { whole }
 }
 
+/// Sixteen directions, unit vectors, a quarter of a quarter turn apart.
+pub(crate) const DIRECTIONS: [(f32, f32); 16] = {
+    const C: f32 = 0.923_879_5;
+    const S: f32 = 0.382_683_43;
+    const H: f32 = core::f32::consts::FRAC_1_SQRT_2;
+    [
+        (1.0, 0.0),
+        (C, S),
+        (H, H),
+        (S, C),
+        (0.0, 1.0),
+        (-S, C),
+        (-H, H),
+        (-C, S),
+        (-1.0, 0.0),
+        (-C, -S),
+        (-H, -H),
+        (-S, -C),
+        (0.0, -1.0),
+        (S, -C),
+        (H, -H),
+        (C, -S),
+    ]
+};
+
 /// A rigid motion `a_from_b`: `x_in_a = rotation * x_in_b + translation`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {

@@ -7,7 +7,7 @@
 use super::colour::{ColourError, FRACTION, FULL_SCALE, Matcher, Reference, matching};
 use super::frame::{FrameView, Rgb};
 use crate::config::{MAX_DIAMETER, Retry, ValidationConfig};
-use crate::geometry::{ImagePoint, round_to_i32};
+use crate::geometry::{DIRECTIONS, ImagePoint, round_to_i32};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -57,31 +57,6 @@ impl fmt::Display for LearntBallError {
 
 impl core::error::Error for LearntBallError {}
 
-/// Sixteen directions around a ball, unit vectors.
-const RING: [(f32, f32); 16] = {
-    const C: f32 = 0.923_879_5;
-    const S: f32 = 0.382_683_43;
-    const H: f32 = core::f32::consts::FRAC_1_SQRT_2;
-    [
-        (1.0, 0.0),
-        (C, S),
-        (H, H),
-        (S, C),
-        (0.0, 1.0),
-        (-S, C),
-        (-H, H),
-        (-C, S),
-        (-1.0, 0.0),
-        (-C, -S),
-        (-H, -H),
-        (-S, -C),
-        (0.0, -1.0),
-        (S, -C),
-        (H, -H),
-        (C, -S),
-    ]
-};
-
 /// How far outside the rim the background is looked at: this share of the radius ...
 const RING_SHARE: f32 = 1.3;
 /// ... and so many pixels more, beyond the blur of the rim.
@@ -102,14 +77,14 @@ pub fn background_around(
 ) -> Option<Rgb> {
     let mut ring: heapless::Vec<(i32, Rgb), 16> = heapless::Vec::new();
     let (a, b) = (width * 0.5 * RING_SHARE + RING_PIXELS, height * 0.5 * RING_SHARE + RING_PIXELS);
-    for (cos, sin) in RING {
+    for (cos, sin) in DIRECTIONS {
         let x = round_to_i32(centre.u + a * cos);
         let y = round_to_i32(centre.v + b * sin);
         if let Some(colour) = frame.pixel(x, y) {
             *tested += 1;
             let m = matcher.matching(colour);
             if m < ceiling {
-                // RING has as many places as the vector
+                // DIRECTIONS has as many places as the vector
                 let _ = ring.push((m, colour));
             }
         }

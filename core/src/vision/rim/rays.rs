@@ -3,8 +3,8 @@
 //! Sixteen rays leave the blob's centre and end where the ball's hue does; of the circles through two
 //! or three of the ends the one with the most ends near it is taken.
 
-use super::unmix::{DIRECTIONS, Palette, floats};
-use crate::geometry::{ImagePoint, round_to_i32};
+use super::unmix::{Palette, floats};
+use crate::geometry::{DIRECTIONS, ImagePoint, round_to_i32};
 use crate::vision::frame::FrameView;
 
 /// Rays.

@@ -1,33 +1,8 @@
 //! How much of a pixel is ball and how much is background.
 
-use crate::geometry::{ImagePoint, round_to_i32};
+use crate::geometry::{DIRECTIONS, ImagePoint, round_to_i32};
 use crate::vision::colour::Matcher;
 use crate::vision::frame::{FrameView, Rgb};
-
-/// Sixteen directions, unit vectors, a quarter of a quarter turn apart.
-pub(super) const DIRECTIONS: [(f32, f32); 16] = {
-    const C: f32 = 0.923_879_5;
-    const S: f32 = 0.382_683_43;
-    const H: f32 = core::f32::consts::FRAC_1_SQRT_2;
-    [
-        (1.0, 0.0),
-        (C, S),
-        (H, H),
-        (S, C),
-        (0.0, 1.0),
-        (-S, C),
-        (-H, H),
-        (-C, S),
-        (-1.0, 0.0),
-        (-C, -S),
-        (-H, -H),
-        (-S, -C),
-        (0.0, -1.0),
-        (S, -C),
-        (H, -H),
-        (C, -S),
-    ]
-};
 
 /// Three components, grey levels.
 pub(super) type Colour = [f32; 3];
