@@ -4,11 +4,13 @@
 //! can be told the same. Numbers that nobody is meant to turn (weights inside a score, how far a
 //! prediction is trusted) are named constants at the top of the file that uses them.
 
+mod arm;
 mod centre;
 mod filter;
 mod hand;
 mod learn;
 
+pub use arm::{FLANGE_M, JOINTS, JointConfig, PumaConfig, PumaConfigError, PumaLengths};
 pub use centre::{CentreConfig, CentreMode};
 pub use filter::{
     FilterConfig, FilterConfigError, MAX_COAST_US, MAX_LEAD_US, OneEuroConfig, Prediction, Smoothing,

@@ -4,6 +4,7 @@
 //! Poses are named `a_from_b`, points `x_in_a`; rotation matrices act on column vectors.
 //! Metres, radians, seconds.
 
+use crate::real::Real;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -95,16 +96,17 @@ pub(crate) const DIRECTIONS: [(f32, f32); 16] = {
     ]
 };
 
-/// A rigid motion `a_from_b`: `x_in_a = rotation * x_in_b + translation`.
+/// A rigid motion `a_from_b`: `x_in_a = rotation * x_in_b + translation`. In single precision
+/// wherever nothing else is said; arms are computed in both.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub struct Pose<T = f32> {
     /// A proper rotation (determinant +1), columns are b's axes seen in a.
-    pub rotation: Matrix3<f32>,
+    pub rotation: Matrix3<T>,
     /// b's origin seen in a, metres.
-    pub translation: Vector3<f32>,
+    pub translation: Vector3<T>,
 }
 
-impl Pose {
+impl<T: Real> Pose<T> {
     /// No motion at all.
     #[must_use]
     pub fn identity() -> Self {
@@ -128,7 +130,7 @@ impl Pose {
     }
 }
 
-impl Default for Pose {
+impl<T: Real> Default for Pose<T> {
     fn default() -> Self {
         Self::identity()
     }

@@ -10,7 +10,7 @@
 //!
 //! | stage | module | in -> out | refuses |
 //! |---|---|---|---|
-//! | words | [`geometry`], [`observation`], [`config`] | - | settings that cannot be worked with |
+//! | words | [`real`], [`geometry`], [`observation`], [`config`] | - | settings that cannot be worked with |
 //! | frame | [`vision::frame`] | bytes -> pixels on demand | wrong length, stride, odd chroma widths |
 //! | colour (2) | [`vision::colour`] | pixel, reference -> V, D, M; eq. 1 | a ball like its background |
 //! | search (3.2) | [`vision::search`] | region -> coordinates, uniform or spiral | - |
@@ -24,6 +24,7 @@
 //! | tracker (fig. 4) | [`vision::tracker`] | frame, time -> four observations | settings, balls without contrast |
 //! | hand (4) | [`hand`] | observations of all views -> alpha, Phi, pose (eq. 4 to 8) | missing balls, degenerate views |
 //! | wire | [`wire`] | packets <-> bytes | damaged, foreign or impossible packets |
+//! | arm (5) | [`arm`] | pose of the tool <-> joints of a PUMA 560 | out of reach, out of range, silent changes of branch |
 //!
 //! # Conventions
 //!
@@ -43,6 +44,8 @@ extern crate std;
 
 // In the order of the path: a module uses only modules above it.
 
+pub mod real;
+
 pub mod geometry;
 
 pub mod observation;
@@ -54,3 +57,5 @@ pub mod vision;
 pub mod hand;
 
 pub mod wire;
+
+pub mod arm;

@@ -1,0 +1,308 @@
+//! Pose of the tool -> the eight joint vectors that bring it there, in closed form.
+//!
+//! Three arcs, each of which may be taken two ways:
+//!
+//! 1. shoulder: the wrist centre's distance from the first axis leaves two q1;
+//! 2. elbow: its distance from the shoulder leaves two q3 for each, and q2 follows;
+//! 3. wrist: the rotation that is left is Rz(q4) Ry(-q5) Rz(q6), which has two solutions.
+//!
+//! Where two ways meet (a singularity) rounding may put the pose outside the arc; within
+//! [`Real::SLACK`] the arc is clamped. Sines and cosines of what is being solved for come out of the
+//! lengths without a detour over angles; then the angles are put into the forward kinematics, and
+//! what does not come back to the pose is not a solution.
+
+use super::forward::{Turn, wrist_rotation};
+use super::joint_set::JointSet;
+use super::model::{Joints, Puma560};
+use super::posture::{Configuration, Signs};
+use super::turns::wrapped;
+use crate::geometry::Pose;
+use crate::real::Real;
+use core::fmt;
+use nalgebra::{Matrix3, Vector3};
+
+/// How far R^T R of what is taken for a rotation may be from the identity; within, the nearest
+/// rotation is meant.
+const MAX_SKEW: f64 = 0.01;
+
+/// Steps of Newton's iteration to that rotation: the skew is squared in each, 0.01 is 1e-16 after three.
+const SQUARING_STEPS: usize = 4;
+
+/// The largest reference angle that is believed, radians. Farther out whole turns lose digits.
+const MAX_REFERENCE_RAD: f64 = 1000.0;
+
+/// Slacks by which a solution's own pose may be off: 1e-9 m or in an entry of the rotation in f64,
+/// 4e-5 in f32.
+const CHECK_SLACKS: f64 = 10.0;
+
+/// Why no joints bring the tool to a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Unreachable {
+    /// A number of the pose is not finite.
+    PoseNotFinite,
+    /// The nine numbers of the rotation are not a rotation's.
+    NotARotation,
+    /// An angle of the joints to stay near to is not finite, or is 1000 radians and more.
+    JointsNotFinite,
+    /// The wrist centre would be inside the cylinder about the first axis that the shoulder's offset
+    /// keeps free.
+    InsideShoulderCylinder,
+    /// The wrist centre would be beyond the stretched arm.
+    TooFar,
+    /// The wrist centre would be nearer to the shoulder than the folded arm.
+    TooNear,
+    /// Joints were found, but not within what is asked of their precision. It takes lengths far from
+    /// a PUMA's in single precision.
+    Inexact,
+}
+
+impl fmt::Display for Unreachable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::PoseNotFinite => "the pose asked of the arm has a number that is not finite",
+            Self::NotARotation => "the rotation asked of the arm is not orthonormal and right-handed",
+            Self::JointsNotFinite => "the joints to stay near to are not finite or beyond 1000 rad",
+            Self::InsideShoulderCylinder => {
+                "out of reach: the wrist would be too near to the arm's vertical axis; move it outwards"
+            }
+            Self::TooFar => "out of reach: too far even for the stretched arm; move the tool towards it",
+            Self::TooNear => "out of reach: too near to the shoulder; move the tool away from it",
+            Self::Inexact => "the joints found miss the pose; compute this arm in double precision",
+        })
+    }
+}
+
+impl core::error::Error for Unreachable {}
+
+/// Joints that bring the tool to the pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution<T> {
+    /// How the arm then stands.
+    pub configuration: Configuration,
+    /// The angles. Of those that mean the same the nearest to the reference that is in the joint's
+    /// range; the nearest of all where none is.
+    pub joints: Joints<T>,
+    /// The joints that cannot be in their range in this configuration.
+    pub outside: JointSet,
+}
+
+/// What the inverse gives: up to eight solutions, in the order of [`Configuration::ALL`]. At a
+/// singularity two of them are one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solutions<T> {
+    found: [Option<Solution<T>>; 8],
+}
+
+impl<T> Solutions<T> {
+    /// All of them, whether their joints are in range or not.
+    pub fn iter(&self) -> impl Iterator<Item = &Solution<T>> {
+        self.found.iter().flatten()
+    }
+
+    /// Those with all joints in their ranges.
+    pub fn within_ranges(&self) -> impl Iterator<Item = &Solution<T>> {
+        self.iter().filter(|solution| solution.outside.is_empty())
+    }
+
+    /// The one of this configuration.
+    #[must_use]
+    pub fn get(&self, configuration: Configuration) -> Option<&Solution<T>> {
+        self.iter().find(|solution| solution.configuration == configuration)
+    }
+}
+
+impl<T: Real> Puma560<T> {
+    /// The joints that bring the tool to `base_from_tool`, in all configurations.
+    ///
+    /// `near` (the last joints, or those expected now) decides what the pose leaves open: whole
+    /// turns, and at the wrist's singularity how q4 and q6 share what only their sum has to be. There
+    /// the solution that `near` leads to is told as bent the way `near` is.
+    ///
+    /// # Errors
+    /// [`Unreachable`] says why there are none.
+    pub fn inverse(&self, base_from_tool: &Pose<T>, near: &Joints<T>) -> Result<Solutions<T>, Unreachable> {
+        let mut solutions = Solutions { found: [None; 8] };
+        let mut places = solutions.found.iter_mut();
+        self.solve(base_from_tool, near, |configuration, joints| {
+            if let Some(place) = places.next() {
+                let (joints, outside) = self.fit(joints, near);
+                *place = Some(Solution { configuration, joints, outside });
+            }
+        })?;
+        Ok(solutions)
+    }
+
+    /// Calls `each` with every solution, whole turns and ranges aside, in the order of
+    /// [`Configuration::ALL`].
+    pub(super) fn solve(
+        &self,
+        base_from_tool: &Pose<T>,
+        near: &Joints<T>,
+        mut each: impl FnMut(Configuration, &Joints<T>),
+    ) -> Result<(), Unreachable> {
+        if !near.iter().all(|angle| angle.abs() <= T::of(MAX_REFERENCE_RAD)) {
+            return Err(Unreachable::JointsNotFinite);
+        }
+        if !base_from_tool.translation.iter().chain(base_from_tool.rotation.iter()).all(|x| x.is_finite()) {
+            return Err(Unreachable::PoseNotFinite);
+        }
+        let rotation = nearest_rotation(&base_from_tool.rotation)?;
+        let target = Pose { rotation, translation: base_from_tool.translation }.compose(&self.wrist_in_tool);
+        let arcs = self.arcs(&target.translation)?;
+        let mut any = false;
+        for right in [true, false] {
+            let arc = self.shoulder(&target.translation, &arcs, right);
+            let q1 = Turn::by(arc.q1);
+            for up in [true, false] {
+                // the elbow's factor is positive where a right arm's elbow is down
+                let signs = Signs { wrist: false, elbow: right != up, shoulder: right };
+                let (q2, q3) = self.elbow(&arc, &arcs, signs.elbow);
+                let arm = self.arm(q1, Turn::by(q2), Turn::by(q2 + q3));
+                if !within(&(arm.translation - target.translation)) {
+                    continue;
+                }
+                let wrist = arm.rotation.tr_mul(&target.rotation);
+                for (flip, [q4, q5, q6]) in wrist_angles(&wrist, near) {
+                    let back = wrist_rotation(Turn::by(q4), Turn::by(q5), Turn::by(q6));
+                    if within(&(back - wrist)) {
+                        any = true;
+                        let configuration = Configuration::of_signs(Signs { wrist: flip, ..signs });
+                        each(configuration, &[arc.q1, q2, q3, q4, q5, q6]);
+                    }
+                }
+            }
+        }
+        if any { Ok(()) } else { Err(Unreachable::Inexact) }
+    }
+
+    /// The lengths of both arcs, or why the wrist centre cannot be there.
+    fn arcs(&self, wrist: &Vector3<T>) -> Result<Arcs<T>, Unreachable> {
+        let from_axis = (wrist.x * wrist.x + wrist.y * wrist.y).sqrt();
+        // products of sums and differences: they do not cancel near 0 as differences of squares do
+        let free = from_axis - self.offset;
+        if free < -T::SLACK {
+            return Err(Unreachable::InsideShoulderCylinder);
+        }
+        let out = (left_over(free) * (from_axis + self.offset)).sqrt();
+        let up = wrist.z - self.base;
+        let square = out * out + up * up;
+        let distance = square.sqrt();
+        let (reach, inner) = (self.reach(), self.inner_reach());
+        let (spare, excess) = (reach - distance, distance - inner);
+        // written so that an overflow is too far
+        if !(spare >= -T::SLACK) {
+            return Err(Unreachable::TooFar);
+        }
+        if excess < -T::SLACK {
+            return Err(Unreachable::TooNear);
+        }
+        let (a, b) = (self.upper_arm, self.lower_arm);
+        let (cos, sin) = (
+            square - a * a - b * b,
+            (left_over(spare) * (reach + distance) * left_over(excess) * (distance + inner)).sqrt(),
+        );
+        // of the angle between upper arm and lower arm, times a: the lower arm along and across
+        let along = cos / (a + a);
+        let across = sin / (a + a);
+        Ok(Arcs { out, up, bend: sin.atan2(cos), along, across })
+    }
+
+    fn shoulder(&self, wrist: &Vector3<T>, arcs: &Arcs<T>, right: bool) -> ShoulderArc<T> {
+        let out = if right { arcs.out } else { -arcs.out };
+        let sin = wrist.x * self.offset + wrist.y * out;
+        let cos = wrist.x * out - wrist.y * self.offset;
+        ShoulderArc { q1: sin.atan2(cos), out }
+    }
+
+    fn elbow(&self, arc: &ShoulderArc<T>, arcs: &Arcs<T>, positive: bool) -> (T, T) {
+        let (bend, across) = if positive { (arcs.bend, arcs.across) } else { (-arcs.bend, -arcs.across) };
+        let along = self.upper_arm + arcs.along;
+        let sin = along * arcs.up - across * arc.out;
+        let cos = along * arc.out + across * arcs.up;
+        (sin.atan2(cos), bend - self.bend)
+    }
+}
+
+/// The wrist centre in the plane of the arm, and the triangle of shoulder, elbow and wrist.
+struct Arcs<T> {
+    /// From the shoulder outwards, metres, of a right arm.
+    out: T,
+    /// From the shoulder up, metres.
+    up: T,
+    /// From the upper arm's line to the lower arm's, 0 to pi.
+    bend: T,
+    /// How far the lower arm goes along the upper arm's line and across it, metres.
+    along: T,
+    across: T,
+}
+
+struct ShoulderArc<T> {
+    q1: T,
+    out: T,
+}
+
+/// What is left of a length, metres, or 0 where that may be rounding: the arc's angle is its root, and
+/// a root of rounding would be a thousand times that of everything else.
+#[inline]
+fn left_over<T: Real>(length: T) -> T {
+    if length > T::EPSILON * T::of(4.0) { length } else { T::zero() }
+}
+
+/// Whether every entry is as small as a solution's error may be.
+#[inline]
+fn within<T: Real, const N: usize>(error: &nalgebra::SMatrix<T, 3, N>) -> bool {
+    let most = T::SLACK * T::of(CHECK_SLACKS);
+    error.iter().all(|x| x.abs() <= most)
+}
+
+/// Both solutions of `wrist = Rz(q4) Ry(-q5) Rz(q6)`, no-flip first, each with whether it is flipped.
+fn wrist_angles<T: Real>(wrist: &Matrix3<T>, near: &Joints<T>) -> [(bool, [T; 3]); 2] {
+    let [_, _, _, near4, near5, near6] = *near;
+    let (x, y) = (-wrist.m13, -wrist.m23);
+    let sine = (x * x + y * y).sqrt();
+    let singular = sine <= T::SLACK;
+    let (q4, turn) = if singular {
+        // q4 + q6 (q4 - q6 of a wrist bent back on itself) is all there is: both go half of the way
+        let off = if wrist.m33 > T::zero() {
+            (wrist.m21 - wrist.m12).atan2(wrist.m11 + wrist.m22) - (near4 + near6)
+        } else {
+            (-wrist.m21 - wrist.m12).atan2(wrist.m22 - wrist.m11) - (near4 - near6)
+        };
+        let q4 = near4 + wrapped(off) * T::of(0.5);
+        (q4, Turn::by(q4))
+    } else {
+        (y.atan2(x), Turn { sin: y / sine, cos: x / sine })
+    };
+    // q5 and q6 out of this q4, so that its rounding does no harm
+    let Turn { sin: s4, cos: c4 } = turn;
+    let q5 = (c4 * x + s4 * y).atan2(wrist.m33);
+    let q6 = (c4 * wrist.m21 - s4 * wrist.m11).atan2(c4 * wrist.m22 - s4 * wrist.m12);
+    let found = [q4, q5, q6];
+    let half = |angle: T| if angle > T::zero() { angle - T::pi() } else { angle + T::pi() };
+    let turned = [half(q4), -q5, half(q6)];
+    // found has sin(q5) > 0; where that is 0 it is bent as `near` is
+    if singular && near5 <= T::zero() {
+        [(false, found), (true, turned)]
+    } else {
+        [(false, turned), (true, found)]
+    }
+}
+
+/// The rotation nearest to `matrix`, which must be nearly one.
+fn nearest_rotation<T: Real>(matrix: &Matrix3<T>) -> Result<Matrix3<T>, Unreachable> {
+    let mut rotation = *matrix;
+    let mut skew = rotation.tr_mul(&rotation) - Matrix3::identity();
+    if !skew.iter().all(|x| x.abs() <= T::of(MAX_SKEW)) || rotation.determinant() <= T::zero() {
+        return Err(Unreachable::NotARotation);
+    }
+    let exact = T::EPSILON * T::of(8.0);
+    for _ in 0..SQUARING_STEPS {
+        if skew.iter().all(|x| x.abs() <= exact) {
+            break;
+        }
+        rotation -= rotation * skew * T::of(0.5);
+        skew = rotation.tr_mul(&rotation) - Matrix3::identity();
+    }
+    Ok(rotation)
+}
