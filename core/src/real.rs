@@ -26,6 +26,11 @@ pub trait Real: RealField + Copy + sealed::Sealed {
 
     /// The number in double precision, exactly.
     fn to_f64(self) -> f64;
+
+    /// The whole number nearest to this one, the even one of two. Up to 2^22 in f32 and 2^51 in f64;
+    /// beyond, and not finite, it stays about what it was. Without a branch and many times cheaper
+    /// than `round`.
+    fn nearest_whole(self) -> Self;
 }
 
 impl Real for f32 {
@@ -41,6 +46,13 @@ impl Real for f32 {
     fn to_f64(self) -> f64 {
         f64::from(self)
     }
+
+    #[inline]
+    fn nearest_whole(self) -> Self {
+        // among the numbers from 2^23 to 2^24 there are no fractions: adding rounds them off
+        const NO_FRACTIONS: f32 = 12_582_912.0;
+        (self + NO_FRACTIONS) - NO_FRACTIONS
+    }
 }
 
 impl Real for f64 {
@@ -55,5 +67,28 @@ impl Real for f64 {
     #[inline]
     fn to_f64(self) -> f64 {
         self
+    }
+
+    #[inline]
+    fn nearest_whole(self) -> Self {
+        // likewise from 2^52 to 2^53
+        const NO_FRACTIONS: f64 = 6_755_399_441_055_744.0;
+        (self + NO_FRACTIONS) - NO_FRACTIONS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_is_to_the_nearest_whole_number() {
+        for i in -40_000..40_000 {
+            let x = f64::from(i) / 16.0;
+            assert_eq!(x.nearest_whole(), x.round_ties_even(), "{x}");
+            let x = x as f32;
+            assert_eq!(x.nearest_whole(), x.round_ties_even(), "{x}");
+        }
+        assert!(f64::NAN.nearest_whole().is_nan() && f32::INFINITY.nearest_whole() == f32::INFINITY);
     }
 }

@@ -152,24 +152,32 @@ impl<T: Real> Puma560<T> {
         let arcs = self.arcs(&target.translation)?;
         let mut any = false;
         for right in [true, false] {
-            let arc = self.shoulder(&target.translation, &arcs, right);
-            let q1 = Turn::by(arc.q1);
+            let q1 = self.shoulder(&target.translation, &arcs, right);
+            let turn1 = Turn::by(q1);
             for up in [true, false] {
                 // the elbow's factor is positive where a right arm's elbow is down
                 let signs = Signs { wrist: false, elbow: right != up, shoulder: right };
-                let (q2, q3) = self.elbow(&arc, &arcs, signs.elbow);
-                let arm = self.arm(q1, Turn::by(q2), Turn::by(q2 + q3));
+                let (q2, q3) = self.elbow(&arcs, signs);
+                let arm = self.arm(turn1, Turn::by(q2), Turn::by(q2 + q3));
                 if !within(&(arm.translation - target.translation)) {
                     continue;
                 }
                 let wrist = arm.rotation.tr_mul(&target.rotation);
-                for (flip, [q4, q5, q6]) in wrist_angles(&wrist, near) {
-                    let back = wrist_rotation(Turn::by(q4), Turn::by(q5), Turn::by(q6));
-                    if within(&(back - wrist)) {
-                        any = true;
-                        let configuration = Configuration::of_signs(Signs { wrist: flip, ..signs });
-                        each(configuration, &[arc.q1, q2, q3, q4, q5, q6]);
-                    }
+                let bent = bend_wrist(&wrist, near);
+                let [q4, q5, q6] = bent.angles;
+                if !within(&(wrist_rotation(Turn::by(q4), Turn::by(q5), Turn::by(q6)) - wrist)) {
+                    continue;
+                }
+                any = true;
+                // half a turn of q4 and q6, and q5 the other way, is the same rotation
+                let [turned4, turned6] = [half_turn(q4), half_turn(q6)];
+                let (no_flip, flip) = if bent.flip {
+                    ([turned4, -q5, turned6], bent.angles)
+                } else {
+                    (bent.angles, [turned4, -q5, turned6])
+                };
+                for (wrist, [q4, q5, q6]) in [(false, no_flip), (true, flip)] {
+                    each(Configuration::of_signs(Signs { wrist, ..signs }), &[q1, q2, q3, q4, q5, q6]);
                 }
             }
         }
@@ -190,56 +198,48 @@ impl<T: Real> Puma560<T> {
         let distance = square.sqrt();
         let (reach, inner) = (self.reach(), self.inner_reach());
         let (spare, excess) = (reach - distance, distance - inner);
-        // written so that an overflow is too far
-        if !(spare >= -T::SLACK) {
+        // an overflow is too far as well
+        if !spare.is_finite() || spare < -T::SLACK {
             return Err(Unreachable::TooFar);
         }
         if excess < -T::SLACK {
             return Err(Unreachable::TooNear);
         }
         let (a, b) = (self.upper_arm, self.lower_arm);
-        let (cos, sin) = (
-            square - a * a - b * b,
-            (left_over(spare) * (reach + distance) * left_over(excess) * (distance + inner)).sqrt(),
-        );
-        // of the angle between upper arm and lower arm, times a: the lower arm along and across
-        let along = cos / (a + a);
-        let across = sin / (a + a);
-        Ok(Arcs { out, up, bend: sin.atan2(cos), along, across })
+        // cosine and sine of the angle at the elbow, times 2 a b; halved and over a, the lower arm
+        // along the upper arm's line and across it
+        let cos = square - a * a - b * b;
+        let sin = (left_over(spare) * (reach + distance) * left_over(excess) * (distance + inner)).sqrt();
+        let raised = (sin / (a + a)).atan2(a + cos / (a + a));
+        Ok(Arcs { out, direction: up.atan2(out), bend: sin.atan2(cos), raised })
     }
 
-    fn shoulder(&self, wrist: &Vector3<T>, arcs: &Arcs<T>, right: bool) -> ShoulderArc<T> {
+    /// q1 of a right or a left arm.
+    fn shoulder(&self, wrist: &Vector3<T>, arcs: &Arcs<T>, right: bool) -> T {
         let out = if right { arcs.out } else { -arcs.out };
         let sin = wrist.x * self.offset + wrist.y * out;
         let cos = wrist.x * out - wrist.y * self.offset;
-        ShoulderArc { q1: sin.atan2(cos), out }
+        sin.atan2(cos)
     }
 
-    fn elbow(&self, arc: &ShoulderArc<T>, arcs: &Arcs<T>, positive: bool) -> (T, T) {
-        let (bend, across) = if positive { (arcs.bend, arcs.across) } else { (-arcs.bend, -arcs.across) };
-        let along = self.upper_arm + arcs.along;
-        let sin = along * arcs.up - across * arc.out;
-        let cos = along * arc.out + across * arcs.up;
-        (sin.atan2(cos), bend - self.bend)
+    /// q2 and q3 of an arm whose two factors of det J have these signs.
+    fn elbow(&self, arcs: &Arcs<T>, signs: Signs) -> (T, T) {
+        let direction = if signs.shoulder { arcs.direction } else { T::pi() - arcs.direction };
+        let (bend, raised) = if signs.elbow { (arcs.bend, arcs.raised) } else { (-arcs.bend, -arcs.raised) };
+        (direction - raised, bend - self.bend)
     }
 }
 
-/// The wrist centre in the plane of the arm, and the triangle of shoulder, elbow and wrist.
+/// The triangle of shoulder, elbow and wrist centre in the plane of the arm.
 struct Arcs<T> {
-    /// From the shoulder outwards, metres, of a right arm.
+    /// From the shoulder out to the wrist centre, metres, of a right arm.
     out: T,
-    /// From the shoulder up, metres.
-    up: T,
+    /// From the horizontal up to the line from shoulder to wrist centre, of a right arm.
+    direction: T,
     /// From the upper arm's line to the lower arm's, 0 to pi.
     bend: T,
-    /// How far the lower arm goes along the upper arm's line and across it, metres.
-    along: T,
-    across: T,
-}
-
-struct ShoulderArc<T> {
-    q1: T,
-    out: T,
+    /// From the line between shoulder and wrist centre to the upper arm.
+    raised: T,
 }
 
 /// What is left of a length, metres, or 0 where that may be rounding: the arc's angle is its root, and
@@ -256,13 +256,23 @@ fn within<T: Real, const N: usize>(error: &nalgebra::SMatrix<T, 3, N>) -> bool {
     error.iter().all(|x| x.abs() <= most)
 }
 
-/// Both solutions of `wrist = Rz(q4) Ry(-q5) Rz(q6)`, no-flip first, each with whether it is flipped.
-fn wrist_angles<T: Real>(wrist: &Matrix3<T>, near: &Joints<T>) -> [(bool, [T; 3]); 2] {
-    let [_, _, _, near4, near5, near6] = *near;
+/// One way to bend the wrist.
+struct BentWrist<T> {
+    angles: [T; 3],
+    flip: bool,
+}
+
+/// A solution of `wrist = Rz(q4) Ry(-q5) Rz(q6)`: the one with sin(q5) > 0, and where that is 0 the one
+/// that is nearest to `near`, bent the way `near` is.
+fn bend_wrist<T: Real>(wrist: &Matrix3<T>, near: &Joints<T>) -> BentWrist<T> {
     let (x, y) = (-wrist.m13, -wrist.m23);
     let sine = (x * x + y * y).sqrt();
-    let singular = sine <= T::SLACK;
-    let (q4, turn) = if singular {
+    let mut flip = true;
+    let (q4, turn) = if sine > T::SLACK {
+        (y.atan2(x), Turn { sin: y / sine, cos: x / sine })
+    } else {
+        let [_, _, _, near4, near5, near6] = *near;
+        flip = near5 > T::zero();
         // q4 + q6 (q4 - q6 of a wrist bent back on itself) is all there is: both go half of the way
         let off = if wrist.m33 > T::zero() {
             (wrist.m21 - wrist.m12).atan2(wrist.m11 + wrist.m22) - (near4 + near6)
@@ -271,22 +281,16 @@ fn wrist_angles<T: Real>(wrist: &Matrix3<T>, near: &Joints<T>) -> [(bool, [T; 3]
         };
         let q4 = near4 + wrapped(off) * T::of(0.5);
         (q4, Turn::by(q4))
-    } else {
-        (y.atan2(x), Turn { sin: y / sine, cos: x / sine })
     };
     // q5 and q6 out of this q4, so that its rounding does no harm
     let Turn { sin: s4, cos: c4 } = turn;
     let q5 = (c4 * x + s4 * y).atan2(wrist.m33);
     let q6 = (c4 * wrist.m21 - s4 * wrist.m11).atan2(c4 * wrist.m22 - s4 * wrist.m12);
-    let found = [q4, q5, q6];
-    let half = |angle: T| if angle > T::zero() { angle - T::pi() } else { angle + T::pi() };
-    let turned = [half(q4), -q5, half(q6)];
-    // found has sin(q5) > 0; where that is 0 it is bent as `near` is
-    if singular && near5 <= T::zero() {
-        [(false, found), (true, turned)]
-    } else {
-        [(false, turned), (true, found)]
-    }
+    BentWrist { angles: [q4, q5, q6], flip }
+}
+
+fn half_turn<T: Real>(angle: T) -> T {
+    if angle > T::zero() { angle - T::pi() } else { angle + T::pi() }
 }
 
 /// The rotation nearest to `matrix`, which must be nearly one.

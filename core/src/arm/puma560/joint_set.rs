@@ -15,15 +15,7 @@ impl JointSet {
     /// The set with joint `number` (from 1) in it; the same set where there is no such joint.
     #[must_use]
     pub const fn with(self, number: usize) -> Self {
-        match number {
-            1 => Self(self.0 | 1),
-            2 => Self(self.0 | 2),
-            3 => Self(self.0 | 4),
-            4 => Self(self.0 | 8),
-            5 => Self(self.0 | 16),
-            6 => Self(self.0 | 32),
-            _ => self,
-        }
+        if number >= 1 && number <= JOINTS { Self(self.0 | 1 << (number - 1)) } else { self }
     }
 
     /// The joints for which `flags` is true, from base to wrist.

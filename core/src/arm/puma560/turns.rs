@@ -3,15 +3,16 @@
 
 use super::joint_set::JointSet;
 use super::model::{Joints, Puma560, Range};
-use crate::config::JOINTS;
 use crate::real::Real;
 
-/// `angle` plus the whole turns that bring it nearest to `near`.
+/// 1 / (2 pi).
+const TURNS_PER_RADIAN: f64 = 0.5 * core::f64::consts::FRAC_1_PI;
+
+/// `angle` plus the whole turns that bring it nearest to `near`. Without a branch: which way angles
+/// have to be turned cannot be foretold, and there are dozens in one inverse.
 #[inline]
 pub(super) fn nearest_turn<T: Real>(angle: T, near: T) -> T {
-    let off = near - angle;
-    // the usual case needs no division
-    if off.abs() <= T::pi() { angle } else { angle + T::two_pi() * (off / T::two_pi() + T::of(0.5)).floor() }
+    angle + T::two_pi() * ((near - angle) * T::of(TURNS_PER_RADIAN)).nearest_whole()
 }
 
 /// The angle between -pi and pi that means the same as `angle`.
@@ -19,43 +20,34 @@ pub(super) fn wrapped<T: Real>(angle: T) -> T {
     nearest_turn(angle, T::zero())
 }
 
+#[inline]
+fn larger<T: Real>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}
+
 impl<T: Real> Range<T> {
     /// By how much `angle` is outside the range, radians; 0 inside.
     #[inline]
     pub(super) fn excess(self, angle: T) -> T {
-        if angle > self.max {
-            angle - self.max
-        } else if angle < self.min {
-            self.min - angle
-        } else {
-            T::zero()
-        }
+        larger(larger(angle - self.max, self.min - angle), T::zero())
     }
 
-    /// The angle inside the range that means the same as `angle` and is nearest to it. An excess
-    /// that may be rounding is cut off.
+    /// The angle inside the range that means the same as `angle` and is nearest to it, or one outside
+    /// where there is none. An excess that may be rounding is cut off.
     #[inline]
-    fn fit(self, angle: T) -> Option<T> {
-        let inside = if angle > self.max + T::SLACK {
-            angle - T::two_pi() * ((angle - self.max - T::SLACK) / T::two_pi()).ceil()
-        } else if angle < self.min - T::SLACK {
-            angle + T::two_pi() * ((self.min - T::SLACK - angle) / T::two_pi()).ceil()
-        } else {
-            angle
-        };
-        (self.excess(inside) <= T::SLACK).then(|| self.cut(inside))
+    fn fit(self, angle: T) -> T {
+        // turns needed to come down to `max` or up to `min`; without a branch, as above
+        let half = T::of(0.5) - T::SLACK;
+        let turns = |excess: T| larger((excess * T::of(TURNS_PER_RADIAN) + half).nearest_whole(), T::zero());
+        let down = angle - T::two_pi() * turns(angle - self.max);
+        let up = down + T::two_pi() * turns(self.min - angle);
+        if self.excess(up) <= T::SLACK { self.cut(up) } else { up }
     }
 
     /// `angle`, or the end of the range that it is beyond.
     #[inline]
     fn cut(self, angle: T) -> T {
-        if angle > self.max {
-            self.max
-        } else if angle < self.min {
-            self.min
-        } else {
-            angle
-        }
+        -larger(-larger(angle, self.min), -self.max)
     }
 }
 
@@ -65,16 +57,12 @@ impl<T: Real> Puma560<T> {
     #[inline]
     pub(super) fn fit(&self, joints: &Joints<T>, near: &Joints<T>) -> (Joints<T>, JointSet) {
         let mut fitted = *joints;
-        let mut outside = [false; JOINTS];
-        let places = fitted.iter_mut().zip(&mut outside).zip(near).zip(&self.ranges);
-        for (((angle, outside), near), range) in places {
-            *angle = nearest_turn(*angle, *near);
-            match range.fit(*angle) {
-                Some(inside) => *angle = inside,
-                None => *outside = true,
-            }
+        for ((angle, near), range) in fitted.iter_mut().zip(near).zip(&self.ranges) {
+            let nearest = nearest_turn(*angle, *near);
+            let inside = range.fit(nearest);
+            *angle = if range.excess(inside) > T::zero() { nearest } else { inside };
         }
-        (fitted, JointSet::from_flags(outside))
+        (fitted, self.outside(&fitted))
     }
 
     /// The angles that mean the same as `joints` and are nearest to `near`, ranges or not. An excess
@@ -93,11 +81,9 @@ impl<T: Real> Puma560<T> {
     /// The joints that are outside their range.
     #[must_use]
     pub fn outside(&self, joints: &Joints<T>) -> JointSet {
-        let mut outside = [true; JOINTS];
-        for ((outside, angle), range) in outside.iter_mut().zip(joints).zip(&self.ranges) {
-            // written so that NaN is outside
-            *outside = !(*angle >= range.min && *angle <= range.max);
-        }
-        JointSet::from_flags(outside)
+        let places = (1..).zip(joints.iter().zip(&self.ranges));
+        // written so that NaN is outside
+        let outside = places.filter(|(_, (angle, range))| !(**angle >= range.min && **angle <= range.max));
+        outside.fold(JointSet::EMPTY, |set, (number, _)| set.with(number))
     }
 }
