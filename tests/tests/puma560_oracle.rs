@@ -3,123 +3,17 @@
 //! stands in `hil-fixtures/README.md`. A part of the data goes with the repository; the rest is
 //! compared where the shared folder is there.
 
-use nalgebra::{Matrix3, Vector3};
-use std::collections::BTreeMap;
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+mod puma560;
+
+use puma560::{ALL_PASSAGES, Row, apart, arm, folders, single, tables, tracks, turned};
+use std::collections::{BTreeMap, HashMap};
 use tetrad_core::arm::puma560::{
-    ChangeKind, ChooseRefusal, Configuration, Joints, Passages, Policy, Puma560, Recent, Unreachable,
+    ChangeKind, ChooseRefusal, Configuration, Joints, Policy, Recent, Unreachable,
 };
-use tetrad_core::config::PumaConfig;
-use tetrad_core::geometry::Pose;
-
-/// A table with named columns.
-struct Table {
-    columns: HashMap<String, usize>,
-    rows: Vec<Vec<String>>,
-}
-
-/// One row of it.
-struct Row<'a> {
-    table: &'a Table,
-    cells: &'a [String],
-}
-
-impl Table {
-    fn read(path: &Path) -> Self {
-        let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-        let mut rows = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
-        let head = rows.next().unwrap_or_else(|| panic!("{}: empty", path.display()));
-        let columns = head.into_iter().enumerate().map(|(i, name)| (name, i)).collect();
-        Self { columns, rows: rows.collect() }
-    }
-
-    fn rows(&self) -> impl Iterator<Item = Row<'_>> {
-        self.rows.iter().map(|cells| Row { table: self, cells })
-    }
-}
-
-impl Row<'_> {
-    fn text(&self, column: &str) -> &str {
-        &self.cells[self.table.columns[column]]
-    }
-
-    fn number(&self, column: &str) -> f64 {
-        self.text(column).parse().unwrap_or_else(|_| panic!("{column}: {:?}", self.text(column)))
-    }
-
-    fn joints(&self, prefix: &str) -> Joints<f64> {
-        std::array::from_fn(|i| self.number(&format!("{prefix}q{}", i + 1)))
-    }
-
-    fn matrix(&self, prefix: &str) -> Matrix3<f64> {
-        Matrix3::from_fn(|i, j| self.number(&format!("{prefix}{}{}", i + 1, j + 1)))
-    }
-
-    fn pose(&self) -> Pose<f64> {
-        let translation = Vector3::from_fn(|i, _| self.number(&format!("T{}4", i + 1)));
-        Pose { rotation: self.matrix("T"), translation }
-    }
-
-    fn name(&self) -> String {
-        format!("row {} ({} {})", self.text("id"), self.text("kind"), self.text("tag"))
-    }
-
-    fn is(&self, kind: &str) -> bool {
-        self.text("kind") == kind
-    }
-
-    /// Whether a factor of det J is 0, as exactly as it was computed.
-    fn is_singular(&self) -> bool {
-        self.is("singular") && !self.text("tag").contains("near")
-            || self.is("named")
-                && ["f_wrist", "f_elbow", "f_shoulder"].iter().any(|f| self.number(f).abs() < 1e-9)
-    }
-}
-
-/// The folders that can be compared with: the repository's own, and the whole set if it is there.
-fn folders(test: &str) -> Vec<PathBuf> {
-    let mut folders = vec![tetrad_fixtures::golden::data("puma560")];
-    match tetrad_tests::shared() {
-        Some(shared) => folders.push(shared.join("data/puma560")),
-        None => tetrad_tests::skip(
-            &format!("{test} (all rows)"),
-            "no shared data; name its folder in TETRAD_SHARED",
-        ),
-    }
-    folders
-}
-
-fn tables(test: &str, file: &str) -> Vec<Table> {
-    folders(test).iter().map(|folder| Table::read(&folder.join(file))).collect()
-}
-
-/// The arm of the data has no tool.
-fn arm() -> Puma560<f64> {
-    Puma560::new(&PumaConfig::bare()).expect("the default")
-}
-
-fn single_arm() -> Puma560<f32> {
-    Puma560::new(&PumaConfig::bare()).expect("the default")
-}
-
-/// The largest difference, metres and entries of the rotation.
-fn apart(a: &Pose<f64>, b: &Pose<f64>) -> f64 {
-    (a.rotation - b.rotation).amax().max((a.translation - b.translation).amax())
-}
-
-/// The largest difference, whole turns aside, radians.
-fn turned(a: &Joints<f64>, b: &Joints<f64>) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).sin().atan2((a - b).cos()).abs()).fold(0.0, f64::max)
-}
-
-fn single(pose: &Pose<f64>) -> Pose<f32> {
-    Pose { rotation: pose.rotation.cast(), translation: pose.translation.cast() }
-}
 
 #[test]
 fn forward_jacobian_and_singularities_are_the_same() {
-    let arm = arm();
+    let arm = arm::<f64>();
     for table in tables("forward_jacobian_and_singularities_are_the_same", "cases.csv") {
         let (mut rows, mut pose_off, mut jacobian_off, mut factors_off) = (0, 0.0f64, 0.0f64, 0.0f64);
         for row in table.rows().filter(|row| !row.is("unreachable")) {
@@ -151,7 +45,7 @@ fn forward_jacobian_and_singularities_are_the_same() {
 
 #[test]
 fn the_sets_of_solutions_are_the_same() {
-    let arm = arm();
+    let arm = arm::<f64>();
     for table in tables("the_sets_of_solutions_are_the_same", "cases.csv") {
         let mut worst: BTreeMap<String, (u32, f64, f64)> = BTreeMap::new();
         for row in table.rows().filter(|row| !row.is("unreachable") && !row.is_singular()) {
@@ -181,7 +75,7 @@ fn the_sets_of_solutions_are_the_same() {
 
 #[test]
 fn every_exactly_singular_row_is_solved() {
-    let arm = arm();
+    let arm = arm::<f64>();
     let name = "every_exactly_singular_row_is_solved";
     for (cases, singular) in tables(name, "cases.csv").iter().zip(tables(name, "singular.csv")) {
         let mut theirs: HashMap<String, Vec<Joints<f64>>> = HashMap::new();
@@ -212,7 +106,7 @@ fn every_exactly_singular_row_is_solved() {
 
 #[test]
 fn every_unreachable_row_is_refused_with_its_reason() {
-    let (arm, single_arm) = (arm(), single_arm());
+    let arm = arm::<f64>();
     for table in tables("every_unreachable_row_is_refused_with_its_reason", "cases.csv") {
         let mut rows = 0;
         for row in table.rows().filter(|row| row.is("unreachable")) {
@@ -225,43 +119,16 @@ fn every_unreachable_row_is_refused_with_its_reason() {
             };
             let refused = arm.inverse(&row.pose(), &[0.0; 6]).map(|_| ());
             assert_eq!(refused, Err(reason), "{}", row.name());
-            let refused = single_arm.inverse(&single(&row.pose()), &[0.0; 6]).map(|_| ());
+            let refused = self::arm().inverse(&single(&row.pose()), &[0.0; 6]).map(|_| ());
             assert_eq!(refused, Err(reason), "{} in single precision", row.name());
         }
         assert!(rows >= 12, "{rows} rows");
     }
 }
 
-/// One step of a track: the pose it leads to and the joints.
-type Step = (Pose<f64>, Joints<f64>);
-
-/// The tracks of a folder by name. The poses are added up from the increments: X + alpha, M Phi.
-fn tracks(folder: &Path) -> BTreeMap<String, Vec<Step>> {
-    let mut tracks: BTreeMap<String, Vec<Step>> = BTreeMap::new();
-    for row in Table::read(&folder.join("tracks.csv")).rows() {
-        let track = tracks.entry(format!("{} {}", row.text("track"), row.text("tag"))).or_default();
-        let joints = row.joints("");
-        let pose = match track.last() {
-            None => arm().forward(&joints),
-            Some((last, _)) => Pose {
-                rotation: last.rotation * row.matrix("P"),
-                translation: last.translation + Vector3::from_fn(|i, _| row.number(&format!("a{}", i + 1))),
-            },
-        };
-        track.push((pose, joints));
-    }
-    tracks
-}
-
-const ALL_PASSAGES: Policy = Policy {
-    fixed: tetrad_core::arm::puma560::Fixed { shoulder: None, elbow: None, wrist: None },
-    passages: Passages::ALL,
-    jump: false,
-};
-
 #[test]
 fn the_tracks_are_followed_without_a_wrong_branch() {
-    let arm = arm();
+    let arm = arm::<f64>();
     for folder in folders("the_tracks_are_followed_without_a_wrong_branch") {
         let (mut worst, mut steps, mut passages) = (0.0f64, 0, 0);
         for (name, track) in tracks(&folder) {
@@ -287,7 +154,7 @@ fn the_tracks_are_followed_without_a_wrong_branch() {
 
 #[test]
 fn no_passage_of_a_track_goes_unsaid() {
-    let arm = arm();
+    let arm = arm::<f64>();
     for folder in folders("no_passage_of_a_track_goes_unsaid") {
         for (name, track) in tracks(&folder) {
             let mut recent = Recent::at_rest(&arm, &track[0].1);
@@ -304,89 +171,5 @@ fn no_passage_of_a_track_goes_unsaid() {
                 recent.push(&arm, joints);
             }
         }
-    }
-}
-
-/// How near the solutions of one kind of row come in single precision.
-#[derive(Default)]
-struct SinglePrecision {
-    solutions: u32,
-    /// Within 1e-4 rad.
-    kept: u32,
-    /// The worst of all, and of those with a smallest singular value of 0.01 and more, radians.
-    worst: f64,
-    worst_apart: f64,
-}
-
-/// What single precision can do is bound by how near to a singularity the solution is: an error of
-/// 1e-7 in the pose is one of 1e-7 over the smallest singular value of the Jacobian in the joints,
-/// and at the elbow's and the shoulder's singularity the root of it.
-#[test]
-fn single_precision_keeps_a_ten_thousandth_away_from_singularities() {
-    let (arm, exact_arm) = (single_arm(), arm());
-    for table in tables("single_precision_keeps_a_ten_thousandth_away_from_singularities", "cases.csv") {
-        let mut kinds: BTreeMap<String, SinglePrecision> = BTreeMap::new();
-        let mut back = 0.0f64;
-        for row in table.rows().filter(|row| !row.is("unreachable")) {
-            let near = row.joints("").map(|angle| angle as f32);
-            let solutions = arm.inverse(&single(&row.pose()), &near);
-            let solutions = solutions.unwrap_or_else(|e| panic!("{}: {e}", row.name()));
-            assert_eq!(solutions.iter().count(), 8, "{}", row.name());
-            let kind = kinds.entry(format!("{} {}", row.text("kind"), row.text("tag"))).or_default();
-            for solution in solutions.iter() {
-                let pose = arm.forward(&solution.joints);
-                let pose = Pose { rotation: pose.rotation.cast(), translation: pose.translation.cast() };
-                back = back.max(apart(&pose, &row.pose()));
-                if !row.is_singular() {
-                    let theirs = row.joints(&format!("{}_", solution.configuration.code()));
-                    let off = turned(&solution.joints.map(f64::from), &theirs);
-                    kind.solutions += 1;
-                    kind.kept += u32::from(off < 1e-4);
-                    kind.worst = kind.worst.max(off);
-                    // every branch has its own distance from the singularities
-                    if exact_arm.jacobian(&theirs).singular_values().min() >= 0.01 {
-                        kind.worst_apart = kind.worst_apart.max(off);
-                    }
-                }
-            }
-        }
-        for (name, k) in kinds.iter().filter(|(_, k)| k.solutions > 0) {
-            let (of, worst, apart) = (k.solutions, k.worst, k.worst_apart);
-            println!(
-                "{name:30} {:5} of {of:5} within 1e-4; worst {worst:.1e}, apart {apart:.1e} rad",
-                k.kept
-            );
-        }
-        println!("forward(solution) {back:.1e}");
-        assert!(kinds.values().all(|kind| kind.worst_apart < 2e-5));
-        assert!(back < 4e-5, "{back:.1e}");
-    }
-}
-
-#[test]
-fn single_precision_follows_the_tracks_without_a_wrong_branch() {
-    let arm = single_arm();
-    for folder in folders("single_precision_follows_the_tracks_without_a_wrong_branch") {
-        let (mut worst, mut steps, mut beyond) = (0.0f64, 0u32, 0u32);
-        for (name, track) in tracks(&folder) {
-            let mut recent = Recent::at_rest(&arm, &track[0].1.map(|x| x as f32));
-            for (pose, joints) in &track[1..] {
-                let choice = arm.choose(&single(pose), &recent, &ALL_PASSAGES);
-                let choice = choice.unwrap_or_else(|e| panic!("{name}: {e}"));
-                let off = choice
-                    .joints
-                    .iter()
-                    .zip(joints)
-                    .map(|(a, b)| (f64::from(*a) - b).abs())
-                    .fold(0.0, f64::max);
-                worst = worst.max(off);
-                steps += 1;
-                beyond += u32::from(off > 1e-4);
-                recent.push(&arm, &choice.joints);
-            }
-        }
-        println!("{steps} steps: {worst:.1e} rad, {beyond} beyond 1e-4");
-        // 1e-4 but for the steps beside a singularity
-        assert!(worst < 1e-3 && beyond * 100 < steps, "{worst:.1e} rad, {beyond} of {steps}");
     }
 }

@@ -4,6 +4,7 @@
 //! in their path; `-- --test` each of them once, without figures. A figure is good to compare with one
 //! of the same run. For the whole program beside OpenCV see `tests/scripts/opencv_compare.py`.
 
+mod arm;
 mod camera;
 mod clip;
 mod hand;

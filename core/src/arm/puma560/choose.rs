@@ -121,7 +121,8 @@ impl<T: Real> Recent<T> {
         Self { last: *joints, before: None, configuration: arm.configuration(joints) }
     }
 
-    /// One step later, as long after the last joints as those after the ones before.
+    /// One step later, as long after the last joints as those after the ones before. Not across a
+    /// jump: the arm is moved there by other means, and starts [at rest](Self::at_rest).
     pub fn push(&mut self, arm: &Puma560<T>, joints: &Joints<T>) {
         self.configuration = arm.singularities(joints).configuration(self.configuration);
         self.before = Some(self.last);
