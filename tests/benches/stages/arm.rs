@@ -18,8 +18,11 @@ use tetrad_core::real::Real;
 /// The poses are taken in turn, all of them in a sample.
 const POSES: usize = 1000;
 
+/// A pose, and the joints it comes from.
+type At<T> = (Pose<T>, Joints<T>);
+
 /// The arm without a tool, joints in their ranges, and the poses at them.
-fn arm<T: Real>() -> (Puma560<T>, Vec<(Pose<T>, Joints<T>)>) {
+fn arm<T: Real>() -> (Puma560<T>, Vec<At<T>>) {
     let arm = Puma560::new(&PumaConfig::bare()).expect("the default");
     let ranges = PumaConfig::default().joints;
     // Knuth's generator of MMIX: any will do
