@@ -9,6 +9,7 @@ mod centre;
 mod filter;
 mod hand;
 mod learn;
+mod teleop;
 
 pub use arm::{FLANGE_M, JOINTS, JointConfig, PumaConfig, PumaConfigError, PumaLengths};
 pub use centre::{CentreConfig, CentreMode};
@@ -17,6 +18,7 @@ pub use filter::{
 };
 pub use hand::{HandConfig, MAX_ARM_M, MIN_ARM_M, PoseConfig};
 pub use learn::{LearnConfig, ProposeConfig};
+pub use teleop::{BelievedMotion, TeleopConfig, TeleopConfigError, TeleopMode, Turning, Workspace};
 
 use core::fmt;
 
