@@ -6,6 +6,7 @@
 
 mod arm;
 mod centre;
+mod drives;
 mod filter;
 mod hand;
 mod learn;
@@ -13,6 +14,7 @@ mod teleop;
 
 pub use arm::{FLANGE_M, JOINTS, JointConfig, PumaConfig, PumaConfigError, PumaLengths};
 pub use centre::{CentreConfig, CentreMode};
+pub use drives::{DriveConfig, DrivesConfig, DrivesConfigError};
 pub use filter::{
     FilterConfig, FilterConfigError, MAX_COAST_US, MAX_LEAD_US, OneEuroConfig, Prediction, Smoothing,
 };

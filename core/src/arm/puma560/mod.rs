@@ -10,6 +10,7 @@
 //! | angles that mean the same, within ranges | `turns` |
 //! | pose -> all eight joint vectors | `inverse` |
 //! | pose, last joints -> the one to follow | `choose` |
+//! | joints <-> counts of the motors' encoders | `drives` |
 //!
 //! Angles in radians, zero as in the standard Denavit-Hartenberg table of
 //! [`PumaConfig`](crate::config::PumaConfig); lengths in metres; the base is the mounting surface,
@@ -32,7 +33,10 @@ mod inverse;
 
 mod choose;
 
+mod drives;
+
 pub use choose::{Change, ChangeKind, Choice, ChooseRefusal, Fixed, Passages, Policy, Recent};
+pub use drives::{BeyondCounts, Counts, Drives};
 pub use inverse::{Solution, Solutions, Unreachable};
 pub use jacobian::Jacobian;
 pub use joint_set::JointSet;

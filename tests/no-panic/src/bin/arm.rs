@@ -3,8 +3,8 @@
 #![no_main]
 
 use core::hint::black_box;
-use tetrad_core::arm::puma560::{Configuration, Fixed, Joints, Passages, Policy, Puma560, Recent};
-use tetrad_core::config::PumaConfig;
+use tetrad_core::arm::puma560::{Configuration, Drives, Fixed, Joints, Passages, Policy, Puma560, Recent};
+use tetrad_core::config::{DrivesConfig, PumaConfig};
 use tetrad_core::geometry::Pose;
 use tetrad_core::real::Real;
 
@@ -29,6 +29,11 @@ fn any<T: Real>(zero: &Joints<T>) {
         let fixed = Fixed::all(black_box(Configuration::ALL[0]));
         let policy = Policy { fixed, passages: Passages::ALL, jump: black_box(true) };
         let _ = black_box(arm.choose(&pose, &recent, &policy));
+    }
+    if let Ok(drives) = Drives::new(black_box(&DrivesConfig::default())) {
+        let _ = black_box(drives.counts::<T>(black_box(zero)));
+        black_box(drives.joints::<T>(black_box(&[0; 6])));
+        black_box(drives.resolution::<T>());
     }
 }
 

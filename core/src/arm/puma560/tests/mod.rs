@@ -1,6 +1,7 @@
 //! What holds of any arm and pose; numbers of others are compared in the workspace's tests.
 
 mod choosing;
+mod counting;
 mod kinematics;
 mod solving;
 
