@@ -20,6 +20,8 @@
 //! simulated scene. [`evaluate`] does so for the experiments of the paper, and [`report`] makes tables,
 //! figures and a page of the numbers.
 //!
+//! [`robot`] opens what is to be driven: the ports between the slave's law and a controller of an arm.
+//!
 //! [`settings`] turns flags and files into checked settings, [`cli`] runs a command with them, and
 //! [`exit`] carries what went wrong to `main`, which alone prints errors and ends the process.
 
@@ -34,6 +36,7 @@ pub mod learning;
 pub mod output;
 pub mod pipeline;
 pub mod report;
+pub mod robot;
 pub mod scene_file;
 pub mod settings;
 pub mod source;

@@ -29,7 +29,7 @@ impl CsvFile {
     ///
     /// # Errors
     /// [`OutputError`] when the file cannot be created or written.
-    pub fn create(dir: &Path, name: &str, header: &str) -> Result<Self, OutputError> {
+    pub fn create(dir: &Path, name: impl AsRef<Path>, header: &str) -> Result<Self, OutputError> {
         let path = dir.join(name);
         let created = File::create(&path).and_then(|mut file| {
             file.write_all(header.as_bytes())?;
