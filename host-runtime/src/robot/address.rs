@@ -1,15 +1,25 @@
 //! The address of an arm, as `--port` and `[slave] port` give it: `KIND:WHERE?option=value&...`.
 
+use super::simulated::SimulatedOptions;
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 /// What may be given, for messages.
-const KNOWN: &str = "dry-run:FILE";
+const KNOWN: &str = "sim: or dry-run:FILE";
 
-/// Where an arm is.
+/// Where an arm is, understood but not opened.
 #[derive(Clone, Debug, PartialEq)]
-pub enum RobotAddress {
+pub struct RobotAddress {
+    text: String,
+    kind: RobotKind,
+}
+
+/// What is there.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RobotKind {
+    /// `sim:` or `sim:?seed=1&...`: a simulated arm.
+    Simulated(SimulatedOptions),
     /// `dry-run:FILE`: no arm, set-points go to a CSV file.
     DryRun(PathBuf),
 }
@@ -24,28 +34,53 @@ pub struct AddressError {
     pub problem: String,
 }
 
+impl RobotAddress {
+    /// What is there.
+    #[must_use]
+    pub const fn kind(&self) -> &RobotKind {
+        &self.kind
+    }
+}
+
+/// `sim:`, so that everything runs without an arm.
+impl Default for RobotAddress {
+    fn default() -> Self {
+        Self { text: "sim:".to_owned(), kind: RobotKind::Simulated(SimulatedOptions::default()) }
+    }
+}
+
 impl FromStr for RobotAddress {
     type Err = AddressError;
 
     fn from_str(text: &str) -> Result<Self, AddressError> {
-        let wrong = |problem: String| AddressError { address: text.to_owned(), problem };
-        let Some((kind, rest)) = text.split_once(':') else {
-            return Err(wrong(format!("this is no arm's address: give {KNOWN}")));
-        };
-        match kind {
-            "dry-run" if rest.is_empty() => Err(wrong("name the file: dry-run:set-points.csv".to_owned())),
-            "dry-run" => Ok(Self::DryRun(PathBuf::from(rest))),
-            _ => Err(wrong(format!("'{kind}' is no kind of arm: give {KNOWN}"))),
+        match understand(text) {
+            Ok(kind) => Ok(Self { text: text.to_owned(), kind }),
+            Err(problem) => Err(AddressError { address: text.to_owned(), problem }),
         }
     }
 }
 
-/// As it was given, or so that it means the same.
+/// As it was given.
 impl fmt::Display for RobotAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::DryRun(file) => write!(f, "dry-run:{}", file.display()),
-        }
+        f.write_str(&self.text)
+    }
+}
+
+fn understand(text: &str) -> Result<RobotKind, String> {
+    let Some((kind, rest)) = text.split_once(':') else {
+        return Err(format!("this is no arm's address: give {KNOWN}"));
+    };
+    let (place, query) = rest.split_once('?').unwrap_or((rest, ""));
+    match kind {
+        "sim" if place.is_empty() => SimulatedOptions::parse(query).map(RobotKind::Simulated),
+        "sim" => Err(format!(
+            "'{place}' means nothing here: options stand behind a question mark, as in sim:?seed=1"
+        )),
+        // a file's name may have a question mark in it
+        "dry-run" if rest.is_empty() => Err("name the file, as in dry-run:set-points.csv".to_owned()),
+        "dry-run" => Ok(RobotKind::DryRun(PathBuf::from(rest))),
+        _ => Err(format!("'{kind}' is no kind of arm: give {KNOWN}")),
     }
 }
 
@@ -58,10 +93,19 @@ mod tests {
     }
 
     #[test]
+    fn a_simulated_arm_is_the_default() {
+        assert_eq!("sim:".parse(), Ok(RobotAddress::default()));
+        let address: RobotAddress = "sim:?seed=3&noise=off".parse().unwrap();
+        assert_eq!(address.to_string(), "sim:?seed=3&noise=off");
+        let options = SimulatedOptions { seed: 3, noise_counts: 0.0, ..SimulatedOptions::default() };
+        assert_eq!(address.kind(), &RobotKind::Simulated(options));
+    }
+
+    #[test]
     fn a_file_for_a_dry_run_may_have_any_name() {
         for file in ["a.csv", "/tmp/a b?c=d.csv", "c:/x.csv"] {
             let address: RobotAddress = format!("dry-run:{file}").parse().unwrap();
-            assert_eq!(address, RobotAddress::DryRun(PathBuf::from(file)));
+            assert_eq!(address.kind(), &RobotKind::DryRun(PathBuf::from(file)));
             assert_eq!(address.to_string(), format!("dry-run:{file}"));
         }
     }
@@ -70,6 +114,11 @@ mod tests {
     fn what_is_no_address_says_what_would_be() {
         assert_eq!(problem("puma"), format!("puma: this is no arm's address: give {KNOWN}"));
         assert_eq!(problem("val3:x"), format!("val3:x: 'val3' is no kind of arm: give {KNOWN}"));
-        assert_eq!(problem("dry-run:"), "dry-run:: name the file: dry-run:set-points.csv");
+        assert_eq!(problem("dry-run:"), "dry-run:: name the file, as in dry-run:set-points.csv");
+        let text =
+            "sim:puma: 'puma' means nothing here: options stand behind a question mark, as in sim:?seed=1";
+        assert_eq!(problem("sim:puma"), text);
+        let text = "sim:?lag_ms=1: 'lag_ms=1': a number from 10 to 500 ms is needed";
+        assert_eq!(problem("sim:?lag_ms=1"), text);
     }
 }

@@ -96,7 +96,9 @@ impl RobotPort<f64> for DryRun {
     }
 
     fn stop(&mut self) -> Result<(), PortError> {
-        self.status = PortStatus::Stopped;
+        if self.status == PortStatus::Ready {
+            self.status = PortStatus::Stopped;
+        }
         Ok(())
     }
 

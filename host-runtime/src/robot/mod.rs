@@ -2,6 +2,7 @@
 //!
 //! | port | file | address |
 //! |---|---|---|
+//! | a PUMA 560 that is not there | [`simulated`] | `sim:` |
 //! | nothing but a record | [`dry_run`] | `dry-run:FILE` |
 //!
 //! [`address`] understands the address, [`open`] opens the port. All of them keep the contract of
@@ -11,15 +12,20 @@ pub mod address;
 
 pub mod clock;
 
+mod query;
+
 pub mod set_point;
 
 mod start;
 
+pub mod simulated;
+
 pub mod dry_run;
 
-pub use address::{AddressError, RobotAddress};
+pub use address::{AddressError, RobotAddress, RobotKind};
 
 use dry_run::DryRun;
+use simulated::SimulatedArm;
 use std::error::Error;
 use tetrad_core::arm::port::RobotPort;
 use tetrad_core::config::{PumaConfig, PumaConfigError};
@@ -37,19 +43,20 @@ pub trait Robot: RobotPort<f64> + Send {
     }
 }
 
-/// Why a port could not be opened. The address is named by whoever gave it.
+/// Why a port could not be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum RobotError {
     /// The arm's own settings cannot be worked with.
     #[error("the arm's settings cannot be worked with")]
     Config(#[from] PumaConfigError),
-    /// The address can be read, but asks for what this arm does not do.
-    #[error("{address}: {problem}")]
+    /// The address can be read, but asks for what does not go with this arm.
+    #[error("{address} does not go with this arm")]
     Option {
         /// The address.
         address: String,
         /// What is wrong, and what would mend it.
-        problem: String,
+        #[source]
+        cause: Box<dyn Error + Send + Sync>,
     },
     /// The file or device behind the address cannot be opened or does not answer.
     #[error("cannot open {address}")]
@@ -68,12 +75,44 @@ pub enum RobotError {
 /// [`RobotError`].
 pub fn open(address: &RobotAddress, puma: &PumaConfig) -> Result<Box<dyn Robot>, RobotError> {
     puma.check()?;
-    let refused =
-        |cause: Box<dyn Error + Send + Sync>| RobotError::Open { address: address.to_string(), cause };
-    match address {
-        RobotAddress::DryRun(file) => match DryRun::create(file, puma) {
+    let text = || address.to_string();
+    match address.kind() {
+        RobotKind::Simulated(options) => match SimulatedArm::new(puma, options) {
             Ok(port) => Ok(Box::new(port)),
-            Err(cause) => Err(refused(cause.into())),
+            Err(cause) => Err(RobotError::Option { address: text(), cause: cause.into() }),
         },
+        RobotKind::DryRun(file) => match DryRun::create(file, puma) {
+            Ok(port) => Ok(Box::new(port)),
+            Err(cause) => Err(RobotError::Open { address: text(), cause: cause.into() }),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tetrad_core::arm::port::PortStatus;
+
+    fn open_text(text: &str) -> Result<Box<dyn Robot>, RobotError> {
+        open(&text.parse().unwrap(), &PumaConfig::default())
+    }
+
+    #[test]
+    fn a_port_is_opened_switched_off() {
+        let arm = open_text("sim:?noise=off").unwrap();
+        assert_eq!((arm.status(), arm.reason()), (PortStatus::Disabled, None));
+    }
+
+    #[test]
+    fn what_cannot_be_opened_says_why() {
+        let Err(error) = open_text("sim:?start_deg=0,45,60,0,0,0") else { panic!("opened") };
+        assert_eq!(error.to_string(), "sim:?start_deg=0,45,60,0,0,0 does not go with this arm");
+        let cause = error.source().unwrap().to_string();
+        assert_eq!(cause, "start_deg: joint 3 can be from -225.0 to 45.0 degrees");
+        let Err(error) = open_text("dry-run:/nowhere/at/all.csv") else { panic!("opened") };
+        assert_eq!(error.to_string(), "cannot open dry-run:/nowhere/at/all.csv");
+        let mut bad = PumaConfig::default();
+        bad.lengths.forearm_m = 0.0;
+        assert!(matches!(open(&"sim:".parse().unwrap(), &bad), Err(RobotError::Config(_))));
     }
 }
