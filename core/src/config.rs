@@ -8,6 +8,7 @@ mod arm;
 mod centre;
 mod drives;
 mod filter;
+mod governor;
 mod hand;
 mod learn;
 mod teleop;
@@ -18,6 +19,7 @@ pub use drives::{DriveConfig, DrivesConfig, DrivesConfigError};
 pub use filter::{
     FilterConfig, FilterConfigError, MAX_COAST_US, MAX_LEAD_US, OneEuroConfig, Prediction, Smoothing,
 };
+pub use governor::{AllowedPassages, GovernorConfig, GovernorConfigError, SlowedByUncertainty};
 pub use hand::{HandConfig, MAX_ARM_M, MIN_ARM_M, PoseConfig};
 pub use learn::{LearnConfig, ProposeConfig};
 pub use teleop::{BelievedMotion, TeleopConfig, TeleopConfigError, TeleopMode, Turning, Workspace};

@@ -4,6 +4,7 @@
 //! |---|---|---|---|
 //! | kinematics | [`puma560`] | pose of the tool <-> joints; the branch to follow | [`puma560::Unreachable`], [`puma560::ChooseRefusal`] |
 //! | law | [`teleop`] | commands, the operator's button, the arm -> goal of the tool, or stop | [`teleop::CommandRefusal`], [`teleop::Status`] |
+//! | governor | [`governor`] | goal or stop -> the joints' next set-point, within every limit | [`governor::Limit`], [`governor::StartRefusal`] |
 //! | port | [`port`] | what every controller of an arm can be asked | [`port::PortError`] |
 //!
 //! Generic over f32 (the microcontroller) and f64 (the host). Nothing here panics or allocates.
@@ -11,5 +12,7 @@
 pub mod puma560;
 
 pub mod teleop;
+
+pub mod governor;
 
 pub mod port;

@@ -72,7 +72,7 @@ use law::{Follow, Law};
 use newest::{Newest, SenderLatch};
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 /// The law of one arm, in f32 or f64.
 #[derive(Clone, Copy, Debug, PartialEq)]

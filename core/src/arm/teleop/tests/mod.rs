@@ -23,20 +23,20 @@ pub(super) const FRAME_US: u64 = 33_333;
 
 /// How many random sequences a test runs: all of them with `TETRAD_FULL=1` or in a release build (as
 /// `cargo verify` does), a twentieth otherwise.
-pub(super) fn sequences(full: u64) -> u64 {
+pub(in crate::arm) fn sequences(full: u64) -> u64 {
     let all = !cfg!(debug_assertions) || std::env::var_os("TETRAD_FULL").is_some_and(|value| value == "1");
     if all { full } else { full / 20 }
 }
 
 /// A small random generator (splitmix64): the same seed, the same sequence.
-pub(super) struct Random(u64);
+pub(in crate::arm) struct Random(u64);
 
 impl Random {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(in crate::arm) fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5851_F42D_4C95_7F2D)
     }
 
-    pub(super) fn bits(&mut self) -> u64 {
+    pub(in crate::arm) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -44,20 +44,20 @@ impl Random {
     }
 
     /// From `min` to `max`.
-    pub(super) fn within(&mut self, min: f64, max: f64) -> f64 {
+    pub(in crate::arm) fn within(&mut self, min: f64, max: f64) -> f64 {
         min + (max - min) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    pub(super) fn chance(&mut self, p: f64) -> bool {
+    pub(in crate::arm) fn chance(&mut self, p: f64) -> bool {
         self.within(0.0, 1.0) < p
     }
 
     /// In the box of this half side.
-    pub(super) fn vector(&mut self, most: f64) -> Vector3<f64> {
+    pub(in crate::arm) fn vector(&mut self, most: f64) -> Vector3<f64> {
         Vector3::from_fn(|_, _| self.within(-most, most))
     }
 
-    pub(super) fn rotation(&mut self, most: f64) -> Matrix3<f64> {
+    pub(in crate::arm) fn rotation(&mut self, most: f64) -> Matrix3<f64> {
         so3::exp(&self.vector(most))
     }
 }

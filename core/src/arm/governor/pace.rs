@@ -1,0 +1,265 @@
+//! How fast along the way: one factor for all joints, so that the tool keeps to it.
+
+use super::axis::{Bounds, Span};
+use super::goal::Bounded;
+use super::limits::{Limit, Limits};
+use super::way::{Kind, Way};
+use crate::arm::puma560::{Jacobian, Joints, Puma560, Singularities};
+use crate::arm::teleop::Uncertainty;
+use crate::config::{GovernorConfig, JOINTS, SlowedByUncertainty};
+use crate::real::Real;
+use nalgebra::{Vector3, Vector6};
+
+/// The share of its speed that a joint is asked for at most: what would just exceed it by rounding
+/// would be refused by the step.
+const SPEED_ASKED: f64 = 0.999;
+
+/// The share of the stopping speed that is used to come to rest at the goal, and to stay away from the
+/// ends: the rest is for the lag of speeds behind what is asked.
+const STOPPING_SHARE: f64 = 0.8;
+
+/// A joint in the margin of its end slows all down to this share at most; beyond, only itself.
+const WAITING_SHARE: f64 = 0.05;
+
+/// What slows by less than this is not told.
+const TOLD_SHARE: f64 = 0.98;
+
+/// A correction at the edge of the workspace is told from this speed on, m/s.
+const TOLD_SPEED_M_S: f64 = 0.001;
+
+/// What does not change from cycle to cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pace<T> {
+    /// What is left of the way is gone by this share a second.
+    pub(super) response: T,
+    tool_speed: T,
+    margin: T,
+    singular_margin: T,
+    creep: T,
+    uncertainty: SlowedByUncertainty,
+}
+
+/// How the arm stands.
+pub(super) struct Stance<'a, T> {
+    pub(super) arm: &'a Puma560<T>,
+    pub(super) joints: &'a Joints<T>,
+    pub(super) place: &'a Vector3<T>,
+    pub(super) jacobian: &'a Jacobian<T>,
+    pub(super) bounds: &'a [Bounds<T>; JOINTS],
+    pub(super) ranges: &'a [Span<T>; JOINTS],
+    pub(super) edges: &'a Bounded<T>,
+}
+
+/// What was decided.
+pub(super) struct Paced<T> {
+    /// The speeds asked of the joints, rad/s.
+    pub(super) speeds: Joints<T>,
+    /// How fast the tool is, beside how fast it might be if nothing but its own speed limited it.
+    pub(super) share: T,
+}
+
+/// Limits of the common factor and their names.
+struct Factor<T> {
+    least: T,
+    named: [(Option<Limit>, T); JOINTS * 2 + 1],
+}
+
+impl<T: Real> Factor<T> {
+    fn at_most(&mut self, place: usize, limit: Limit, factor: T) {
+        self.least = self.least.min(factor);
+        if let Some(named) = self.named.get_mut(place) {
+            *named = (Some(limit), factor);
+        }
+    }
+}
+
+impl<T: Real> Pace<T> {
+    pub(super) fn new(config: &GovernorConfig, response: T) -> Self {
+        Self {
+            response,
+            tool_speed: T::of(config.max_tool_speed_m_s),
+            margin: T::of(config.limit_margin_rad),
+            singular_margin: T::of(config.singularity_margin),
+            creep: T::of(config.creep_share),
+            uncertainty: config.uncertainty,
+        }
+    }
+
+    /// The speeds of the joints along the way.
+    pub(super) fn along(
+        &self,
+        way: &Way<T>,
+        now: &Stance<'_, T>,
+        uncertainty: Option<&Uncertainty<T>>,
+        limits: &mut Limits,
+    ) -> Paced<T> {
+        let mut left = way.left;
+        self.keep_outside_joints_from_leaving(&mut left, now, limits);
+        let tool = tool_speed(now.jacobian, &left).norm();
+        let known = self.known_share(uncertainty, limits);
+        let ideal = per(self.tool_speed, tool).min(self.response);
+        let mut share = known;
+        let mut factor = self.factor(&left, tool, share, now);
+        let singular = self.singular_share(&left, factor.least, way.kind, now, limits);
+        if singular < T::one() {
+            share *= singular;
+            factor = self.factor(&left, tool, share, now);
+        }
+        if factor.least < self.response * T::of(TOLD_SHARE) {
+            let binding = factor.least / T::of(TOLD_SHARE);
+            for (limit, _) in factor.named.iter().filter(|(_, at_most)| *at_most <= binding) {
+                limit.iter().for_each(|limit| limits.add(*limit));
+            }
+        }
+        let mut speeds = left.map(|way| way * factor.least);
+        self.keep_from_ends(&mut speeds, now);
+        self.keep_in_box(&mut speeds, now, limits);
+        Paced { speeds, share: (factor.least / ideal).min(T::one()) }
+    }
+
+    fn keep_outside_joints_from_leaving(
+        &self,
+        left: &mut Joints<T>,
+        now: &Stance<'_, T>,
+        limits: &mut Limits,
+    ) {
+        for (number, ((way, angle), range)) in (1..).zip(left.iter_mut().zip(now.joints).zip(now.ranges)) {
+            if *angle < range.min || *angle > range.max {
+                limits.add(Limit::OutsideRange(number));
+                *way = if *angle < range.min { way.max(T::zero()) } else { way.min(T::zero()) };
+            }
+        }
+    }
+
+    /// By which `left` becomes speeds, 1/s.
+    fn factor(&self, left: &Joints<T>, tool: T, share: T, now: &Stance<'_, T>) -> Factor<T> {
+        let mut factor = Factor { least: self.response, named: [(None, self.response); JOINTS * 2 + 1] };
+        factor.at_most(JOINTS * 2, Limit::ToolSpeed, per(self.tool_speed * share, tool));
+        let joints = left.iter().zip(now.bounds).zip(now.joints.iter().zip(now.ranges));
+        for (place, ((way, bounds), (angle, range))) in joints.enumerate() {
+            let number = place as u8 + 1;
+            let size = way.abs();
+            let speed = per(bounds.speed * share * T::of(SPEED_ASKED), size);
+            let stopping = per(bounds.stoppable(size) * T::of(STOPPING_SHARE), size);
+            if speed < stopping {
+                factor.at_most(place, Limit::JointSpeed(number), speed);
+            } else {
+                factor.at_most(place, Limit::JointAcceleration(number), stopping);
+            }
+            let up = *way > T::zero();
+            let room = if up { range.max - *angle } else { *angle - range.min };
+            let floor = bounds.speed * T::of(WAITING_SHARE);
+            let near_end = per(self.near_end(room, bounds).max(floor), size);
+            let limit = if up { Limit::NearUpperLimit(number) } else { Limit::NearLowerLimit(number) };
+            factor.at_most(JOINTS + place, limit, near_end);
+        }
+        factor
+    }
+
+    /// How fast a joint may go towards an end that is `room` radians away.
+    fn near_end(&self, room: T, bounds: &Bounds<T>) -> T {
+        let room = room.max(T::zero());
+        let stopping = bounds.stoppable(room) * T::of(STOPPING_SHARE);
+        if room < self.margin { stopping.min(bounds.speed * (room / self.margin)) } else { stopping }
+    }
+
+    fn keep_from_ends(&self, speeds: &mut Joints<T>, now: &Stance<'_, T>) {
+        let joints = speeds.iter_mut().zip(now.bounds).zip(now.joints.iter().zip(now.ranges));
+        for ((speed, bounds), (angle, range)) in joints {
+            let upwards = self.near_end(range.max - *angle, bounds);
+            let downwards = self.near_end(*angle - range.min, bounds);
+            *speed = speed.min(upwards).max(-downwards);
+        }
+    }
+
+    /// The share of speed that is left where the way leads nearer to a singularity.
+    fn singular_share(
+        &self,
+        left: &Joints<T>,
+        factor: T,
+        kind: Kind,
+        now: &Stance<'_, T>,
+        limits: &mut Limits,
+    ) -> T {
+        let mut ahead = *now.joints;
+        for ((angle, way), bounds) in ahead.iter_mut().zip(left).zip(now.bounds) {
+            *angle += *way * factor * bounds.cycle;
+        }
+        let here = self.nearness(now.arm, &now.arm.singularities(now.joints));
+        let ahead = self.nearness(now.arm, &now.arm.singularities(&ahead));
+        let names = [Limit::WristSingularity, Limit::ElbowSingularity, Limit::ShoulderSingularity];
+        let mut share = T::one();
+        for ((here, ahead), limit) in here.into_iter().zip(ahead).zip(names) {
+            let crosses = (here < T::zero()) != (ahead < T::zero());
+            let near = here.abs() < self.singular_margin;
+            if near && (crosses || ahead.abs() < here.abs()) {
+                let left = (here.abs() / self.singular_margin).max(self.creep);
+                // nothing is gained by crossing on the way to where the arm cannot go
+                share = share.min(if crosses && kind == Kind::AsNearAsItGoes { T::zero() } else { left });
+                limits.add(limit);
+            }
+        }
+        share
+    }
+
+    /// The factors of det J, each as a share of the largest that it can be; half of the reach is about
+    /// the length of the lower arm.
+    fn nearness(&self, arm: &Puma560<T>, at: &Singularities<T>) -> [T; 3] {
+        [at.wrist, at.elbow_m / (arm.reach() * T::of(0.5)), at.shoulder_m / arm.reach()]
+    }
+
+    fn known_share(&self, uncertainty: Option<&Uncertainty<T>>, limits: &mut Limits) -> T {
+        let Some(u) = uncertainty else { return T::one() };
+        let by = &self.uncertainty;
+        let falling = |x: T, full: f64, creep: f64| {
+            let share = (T::of(creep) - x) / T::of(creep - full);
+            // a number that is none is the least known of all
+            if share >= self.creep { share.min(T::one()) } else { self.creep }
+        };
+        let place = falling(u.place_m, by.full_m, by.creep_m);
+        let share = place.min(falling(u.turn_rad, by.full_rad, by.creep_rad));
+        if share < T::one() {
+            limits.add(Limit::HandUncertain);
+        }
+        share
+    }
+
+    /// Takes away what would carry the tool out of the box, by as little of the joints as does it.
+    fn keep_in_box(&self, speeds: &mut Joints<T>, now: &Stance<'_, T>, limits: &mut Limits) {
+        let sides = now.place.iter().zip(now.edges.min.iter().zip(now.edges.max.iter()));
+        for (row, (place, (min, max))) in now.jacobian.row_iter().zip(sides) {
+            let row = row.transpose();
+            let asked = row.dot(&Vector6::from(*speeds));
+            let upwards = (*max - *place).max(T::zero()) * self.response;
+            let downwards = (*place - *min).max(T::zero()) * self.response;
+            let over = asked - asked.min(upwards).max(-downwards);
+            let size = row.norm_squared();
+            if over == T::zero() || size <= T::SLACK {
+                continue;
+            }
+            if over.abs() > T::of(TOLD_SPEED_M_S) {
+                limits.add(Limit::WorkspaceEdge);
+            }
+            for (speed, share) in speeds.iter_mut().zip(row.iter()) {
+                *speed -= *share * (over / size);
+            }
+        }
+        let mut most = T::one();
+        for (speed, bounds) in speeds.iter().zip(now.bounds) {
+            most = most.max(speed.abs() / (bounds.speed * T::of(SPEED_ASKED)));
+        }
+        if most > T::one() {
+            *speeds = speeds.map(|speed| speed / most);
+        }
+    }
+}
+
+/// `most / size`; where there is nothing to be divided, as much as anything.
+fn per<T: Real>(most: T, size: T) -> T {
+    if size > T::zero() { most / size } else { T::of(1e12) }
+}
+
+fn tool_speed<T: Real>(jacobian: &Jacobian<T>, speeds: &Joints<T>) -> Vector3<T> {
+    let twist = jacobian * Vector6::from(*speeds);
+    Vector3::new(twist.x, twist.y, twist.z)
+}
