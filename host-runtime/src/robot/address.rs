@@ -1,12 +1,13 @@
 //! The address of an arm, as `--port` and `[slave] port` give it: `KIND:WHERE?option=value&...`.
 
 use super::simulated::SimulatedOptions;
+use super::val2;
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 /// What may be given, for messages.
-const KNOWN: &str = "sim: or dry-run:FILE";
+const KNOWN: &str = "sim:, dry-run:FILE or val2:DEVICE";
 
 /// Where an arm is, understood but not opened.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +23,8 @@ pub enum RobotKind {
     Simulated(SimulatedOptions),
     /// `dry-run:FILE`: no arm, set-points go to a CSV file.
     DryRun(PathBuf),
+    /// `val2:DEVICE?...`: a VAL II terminal; device and settings as [`val2::parse`] takes them.
+    Val2(String),
 }
 
 /// Why an address cannot be understood.
@@ -80,6 +83,10 @@ fn understand(text: &str) -> Result<RobotKind, String> {
         // a file's name may have a question mark in it
         "dry-run" if rest.is_empty() => Err("name the file, as in dry-run:set-points.csv".to_owned()),
         "dry-run" => Ok(RobotKind::DryRun(PathBuf::from(rest))),
+        "val2" => match val2::parse(rest, &val2::Val2Config::default()) {
+            Ok(_) => Ok(RobotKind::Val2(rest.to_owned())),
+            Err(error) => Err(error.to_string()),
+        },
         _ => Err(format!("'{kind}' is no kind of arm: give {KNOWN}")),
     }
 }
@@ -108,6 +115,14 @@ mod tests {
             assert_eq!(address.kind(), &RobotKind::DryRun(PathBuf::from(file)));
             assert_eq!(address.to_string(), format!("dry-run:{file}"));
         }
+    }
+
+    #[test]
+    fn a_terminal_may_have_settings_that_there_are() {
+        let address: RobotAddress = "val2:/dev/ttyUSB0?baud=9600".parse().unwrap();
+        assert_eq!(address.kind(), &RobotKind::Val2("/dev/ttyUSB0?baud=9600".to_owned()));
+        assert!(problem("val2:/dev/ttyUSB0?speed=fast").contains("percent"));
+        assert!(problem("val2:").contains("no device"));
     }
 
     #[test]

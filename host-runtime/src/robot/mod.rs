@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | a PUMA 560 that is not there | [`simulated`] | `sim:` |
 //! | nothing but a record | [`dry_run`] | `dry-run:FILE` |
+//! | a PUMA's own controller, at its terminal | [`val2`] | `val2:DEVICE` |
 //!
 //! [`address`] understands the address, [`open`] opens the port. All of them keep the contract of
 //! [`tetrad_core::arm::port`]; [`set_point`] is the part of it that is the same everywhere.
@@ -22,6 +23,8 @@ pub mod simulated;
 
 pub mod dry_run;
 
+pub mod val2;
+
 pub use address::{AddressError, RobotAddress, RobotKind};
 
 use dry_run::DryRun;
@@ -34,6 +37,11 @@ use tetrad_core::config::{PumaConfig, PumaConfigError};
 pub trait Robot: RobotPort<f64> + Send {
     /// Why it stands as it does, in words, beyond the status; `None` where the status says all.
     fn reason(&self) -> Option<String> {
+        None
+    }
+
+    /// What the user is to know before this arm moves; `None` where there is nothing special.
+    fn notice(&self) -> Option<String> {
         None
     }
 
@@ -82,6 +90,10 @@ pub fn open(address: &RobotAddress, puma: &PumaConfig) -> Result<Box<dyn Robot>,
             Err(cause) => Err(RobotError::Option { address: text(), cause: cause.into() }),
         },
         RobotKind::DryRun(file) => match DryRun::create(file, puma) {
+            Ok(port) => Ok(Box::new(port)),
+            Err(cause) => Err(RobotError::Open { address: text(), cause: cause.into() }),
+        },
+        RobotKind::Val2(place) => match val2::open(place, puma, &val2::Val2Config::default()) {
             Ok(port) => Ok(Box::new(port)),
             Err(cause) => Err(RobotError::Open { address: text(), cause: cause.into() }),
         },

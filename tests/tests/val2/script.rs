@@ -1,0 +1,83 @@
+//! Plays a golden script (hil-fixtures/data/val2, README there) to the conversation.
+
+use std::path::Path;
+use std::time::Duration;
+use tetrad::robot::val2::{Dialogue, Val2Config, parse};
+use tetrad_core::config::PumaConfig;
+
+/// The script's text with every byte that was sent as it was really sent.
+pub fn play(path: &Path) -> String {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut settings = Val2Config::default();
+    let mut dialogue = Dialogue::new(&settings, &PumaConfig::default());
+    let mut now = Duration::ZERO;
+    let mut told = String::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let at = || format!("{}:{number}: {line}", path.display());
+        let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let mut said = line.to_owned();
+        match word {
+            "" | "#" => {}
+            "settings" => {
+                settings = parse(&format!("val2:x?{rest}"), &settings).expect(&at()).1;
+                dialogue = Dialogue::new(&settings, &PumaConfig::default());
+            }
+            "enable" => {
+                dialogue.enable();
+                dialogue.begin(now);
+            }
+            "stop" => dialogue.stop(),
+            "wait" => {
+                now += Duration::from_millis(rest.parse().expect(&at()));
+                dialogue.tick(now);
+            }
+            // the model's degrees
+            "set" => {
+                let degrees: Vec<f64> = rest.split(',').map(|angle| angle.parse().expect(&at())).collect();
+                let joints: [f64; 6] = degrees.try_into().expect(&at());
+                let joints = joints.map(f64::to_radians);
+                said = match dialogue.write_set_point(&joints, now) {
+                    Ok(()) => line.split(" ! ").next().unwrap_or(line).to_owned(),
+                    Err(error) => format!("{} ! {error:?}", line.split(" ! ").next().unwrap_or(line)),
+                };
+                dialogue.tick(now);
+            }
+            "<" => {
+                dialogue.receive(&unescaped(rest), now);
+                dialogue.tick(now);
+            }
+            // what is really sent is put in its place
+            ">" => said = format!("> {}", dialogue.take_output().as_bytes().escape_ascii()),
+            "is" => {
+                let reason = dialogue.reason().map(|reason| format!(": {reason}")).unwrap_or_default();
+                said = format!("is {:?}{reason}", dialogue.status());
+            }
+            _ => panic!("{}: no such word", at()),
+        }
+        told.push_str(&said);
+        told.push('\n');
+    }
+    assert_eq!(dialogue.take_output(), "", "{}: more was sent than the script has", path.display());
+    told
+}
+
+fn unescaped(text: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut rest = text.bytes();
+    while let Some(byte) = rest.next() {
+        bytes.push(match (byte, byte == b'\\') {
+            (_, true) => match rest.next() {
+                Some(b'r') => b'\r',
+                Some(b'n') => b'\n',
+                Some(b'x') => {
+                    let digits: String = rest.by_ref().take(2).map(char::from).collect();
+                    u8::from_str_radix(&digits, 16).expect("two hexadecimal digits")
+                }
+                Some(other) => other,
+                None => b'\\',
+            },
+            (plain, false) => plain,
+        });
+    }
+    bytes
+}
