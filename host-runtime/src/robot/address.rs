@@ -122,7 +122,7 @@ mod tests {
         let address: RobotAddress = "val2:/dev/ttyUSB0?baud=9600".parse().unwrap();
         assert_eq!(address.kind(), &RobotKind::Val2("/dev/ttyUSB0?baud=9600".to_owned()));
         assert!(problem("val2:/dev/ttyUSB0?speed=fast").contains("percent"));
-        assert!(problem("val2:").contains("no device"));
+        assert!(problem("val2:").contains("name the serial port"));
     }
 
     #[test]

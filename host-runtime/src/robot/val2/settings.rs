@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::robot::query::Query;
+
 /// How a joint point is defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialect {
@@ -50,28 +52,10 @@ impl Default for Val2Config {
     }
 }
 
-/// What is wrong with an address.
+/// What is wrong with an address, and what would mend it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Val2AddressError {
-    /// No device.
-    #[error("no device; write val2:/dev/ttyUSB0, say (`tetrad devices` lists serial ports)")]
-    NoDevice,
-    /// A setting that there is not.
-    #[error(
-        "{0}: no such setting of val2; there are baud, speed, dialect, where, timeout, watchdog, calibrate and log"
-    )]
-    Unknown(String),
-    /// A value that it cannot have.
-    #[error("{name}={value}: {name} is {wanted}")]
-    Value {
-        /// The setting.
-        name: &'static str,
-        /// What was given.
-        value: String,
-        /// What it may be.
-        wanted: &'static str,
-    },
-}
+#[error("{0}")]
+pub struct Val2AddressError(String);
 
 /// Takes an address apart: the device, and `base` with the settings that the address has.
 ///
@@ -81,54 +65,50 @@ pub fn parse(address: &str, base: &Val2Config) -> Result<(String, Val2Config), V
     let rest = address.strip_prefix("val2:").unwrap_or(address);
     let (device, query) = rest.split_once('?').unwrap_or((rest, ""));
     if device.is_empty() {
-        return Err(Val2AddressError::NoDevice);
+        let mend = "name the serial port, as in val2:/dev/ttyUSB0 (`tetrad devices` lists them)";
+        return Err(Val2AddressError(mend.to_owned()));
     }
-    let mut config = base.clone();
-    for setting in query.split('&').filter(|setting| !setting.is_empty()) {
-        let (name, value) = setting.split_once('=').unwrap_or((setting, ""));
-        set(&mut config, name, value)?;
-    }
+    let config = settings(query, base).map_err(Val2AddressError)?;
     Ok((device.to_owned(), config))
 }
 
-fn set(config: &mut Val2Config, name: &str, value: &str) -> Result<(), Val2AddressError> {
-    let wrong = |name, wanted| Val2AddressError::Value { name, value: value.to_owned(), wanted };
-    let whole = |name, wanted, least: u32, most: u32| {
-        let number = value.parse().ok().filter(|number| (least..=most).contains(number));
-        number.ok_or_else(|| wrong(name, wanted))
-    };
-    let time = |name, wanted, least, most| {
-        whole(name, wanted, least, most).map(|ms| Duration::from_millis(u64::from(ms)))
-    };
-    match name {
-        "baud" => config.baud = whole("baud", "bits a second, 300 to 115200", 300, 115_200)?,
-        "speed" => {
-            let wanted = "percent of the controller's normal speed, 1 to 100";
-            config.speed =
-                u8::try_from(whole("speed", wanted, 1, 100)?).map_err(|_| wrong("speed", wanted))?;
-        }
-        "dialect" => {
-            config.dialect = match value {
-                "point" => Dialect::Point,
-                "ppoint" => Dialect::PPoint,
-                _ => return Err(wrong("dialect", "point (every VAL) or ppoint (V+)")),
-            }
-        }
-        "where" => config.where_period = time("where", "milliseconds, 100 to 60000", 100, 60_000)?,
-        "timeout" => config.timeout = time("timeout", "milliseconds, 200 to 60000", 200, 60_000)?,
-        "watchdog" => config.watchdog = time("watchdog", "milliseconds, 50 to 10000", 50, 10_000)?,
-        "calibrate" => {
-            config.calibrate = match value {
-                "yes" => true,
-                "no" => false,
-                _ => return Err(wrong("calibrate", "yes or no; yes moves the arm")),
-            }
-        }
-        "log" if !value.is_empty() => config.log = Some(PathBuf::from(value)),
-        "log" => return Err(wrong("log", "the name of a file")),
-        _ => return Err(Val2AddressError::Unknown(name.to_owned())),
+fn settings(query: &str, base: &Val2Config) -> Result<Val2Config, String> {
+    let mut query = Query::parse(query)?;
+    let mut config = base.clone();
+    if let Some(baud) = query.number("baud", "bits a second", 300..=115_200)? {
+        config.baud = baud;
     }
-    Ok(())
+    if let Some(speed) = query.number("speed", "percent of the controller's normal speed", 1..=100)? {
+        config.speed = speed;
+    }
+    match query.take("dialect") {
+        None => {}
+        Some("point") => config.dialect = Dialect::Point,
+        Some("ppoint") => config.dialect = Dialect::PPoint,
+        Some(other) => return Err(format!("'dialect={other}': it is point (every VAL) or ppoint (V+)")),
+    }
+    let mut time = |name, range, field: &mut Duration| -> Result<(), String> {
+        if let Some(ms) = query.number(name, "ms", range)? {
+            *field = Duration::from_millis(ms);
+        }
+        Ok(())
+    };
+    time("where", 100..=60_000, &mut config.where_period)?;
+    time("timeout", 200..=60_000, &mut config.timeout)?;
+    time("watchdog", 50..=10_000, &mut config.watchdog)?;
+    match query.take("calibrate") {
+        None => {}
+        Some("yes") => config.calibrate = true,
+        Some("no") => config.calibrate = false,
+        Some(other) => return Err(format!("'calibrate={other}': it is yes or no; yes moves the arm")),
+    }
+    match query.take("log") {
+        None => {}
+        Some("") => return Err("'log=': name the file".to_owned()),
+        Some(path) => config.log = Some(PathBuf::from(path)),
+    }
+    query.finish()?;
+    Ok(config)
 }
 
 #[cfg(test)]
@@ -139,17 +119,17 @@ mod tests {
     fn an_address_says_what_differs() {
         let base = Val2Config::default();
         assert_eq!(parse("val2:/dev/ttyS0", &base), Ok(("/dev/ttyS0".to_owned(), base.clone())));
-        let (device, config) =
-            parse("/dev/x?baud=19200&speed=10&dialect=ppoint&where=250&calibrate=yes&log=a.txt", &base)
-                .unwrap();
+        let text = "/dev/x?baud=19200&speed=10&dialect=ppoint&where=250&timeout=300&watchdog=100&calibrate=yes&log=a.txt";
+        let (device, config) = parse(text, &base).unwrap();
         let expected = Val2Config {
             baud: 19_200,
             speed: 10,
             dialect: Dialect::PPoint,
             where_period: Duration::from_millis(250),
+            timeout: Duration::from_millis(300),
+            watchdog: Duration::from_millis(100),
             calibrate: true,
             log: Some(PathBuf::from("a.txt")),
-            ..base
         };
         assert_eq!((device.as_str(), config), ("/dev/x", expected));
     }
@@ -157,16 +137,14 @@ mod tests {
     #[test]
     fn what_cannot_be_is_named_with_what_can() {
         let said = |address| parse(address, &Val2Config::default()).unwrap_err().to_string();
-        assert!(said("val2:").contains("no device"), "{}", said("val2:"));
-        assert!(said("val2:/dev/x?spede=3").starts_with("spede: no such setting"));
-        assert_eq!(
-            said("/dev/x?speed=0"),
-            "speed=0: speed is percent of the controller's normal speed, 1 to 100"
-        );
+        assert!(said("val2:").starts_with("name the serial port"), "{}", said("val2:"));
+        assert!(said("val2:/dev/x?spede=3").starts_with("'spede' means nothing here: the options are baud"));
+        let text = "'speed=0': a number from 1 to 100 percent of the controller's normal speed is needed";
+        assert_eq!(said("/dev/x?speed=0"), text);
         assert!(said("/dev/x?speed=101").contains("1 to 100"));
         assert!(said("/dev/x?baud=fast").contains("300 to 115200"));
-        assert!(said("/dev/x?dialect=val3").contains("ppoint"));
-        assert!(said("/dev/x?calibrate").contains("moves the arm"));
-        assert!(said("/dev/x?log=").contains("name of a file"));
+        assert!(said("/dev/x?dialect=val3").contains("ppoint (V+)"));
+        assert!(said("/dev/x?calibrate=now").contains("moves the arm"));
+        assert!(said("/dev/x?log=").contains("name the file"));
     }
 }
