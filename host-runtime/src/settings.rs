@@ -13,6 +13,8 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use tetrad_core::config::{FilterConfig, MAX_ARM_M, MIN_ARM_M};
 
+pub mod arm;
+
 mod filter;
 
 pub use filter::{FilterArgs, PredictionFlag, SmoothingFlag};

@@ -1,0 +1,222 @@
+//! `tetrad.toml`: the arm, the slave's law, its limits and the port.
+//!
+//! ```toml
+//! [slave]
+//! port = "sim:"                 # see `tetrad slave --help`
+//!
+//! [arm]                         # a PUMA 560; every key may be left out
+//! base_mm = 671.83              # d1
+//! upper_arm_mm = 431.8          # a2
+//! offset_mm = 150.05            # d3
+//! elbow_mm = 20.3               # a3
+//! forearm_mm = 431.8            # d4
+//! min_deg = [-160, -45, -225, -110, -100, -266]
+//! max_deg = [160, 225, 45, 170, 100, 266]
+//! max_speed_deg_s = [110, 86.5, 137.5, 306, 291.6, 328.9]
+//! tool_mm = [0, 0, 56.25]       # from the wrist centre, in the axes of the last link
+//! tool_rpy_deg = [0, 0, 0]      # about its fixed x, then y, then z
+//!
+//! [teleop]
+//! mode = "since-engage"         # or "paper"
+//! scale = 1.0                   # metres of the tool for a metre of the hand
+//! turn_scale = 1.0
+//! lock_turns = false            # true: the tool keeps its orientation
+//! robot_from_hand = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]   # its rows
+//! robot_from_hand_rpy_deg = [0, 0, 0]                   # or as angles; not both
+//! max_lead_mm = 250
+//! max_lead_deg = 57.3
+//! command_timeout_ms = 100
+//! hold_to_run_timeout_ms = 200
+//! predicted_ms = 200
+//! resume_ms = 500
+//!
+//! [workspace]                   # where the tool may be, in the axes of the base
+//! min_mm = [-950, -950, 0]
+//! max_mm = [950, 950, 1600]
+//!
+//! [governor]
+//! speed_share = 0.9             # of max_speed_deg_s
+//! max_acceleration_deg_s2 = [326.6, 464.1, 1478.2, 2148.6, 2011.1, 1890.8]
+//! max_jerk_deg_s3 = [3266, 4641, 14782, 21486, 20111, 18908]
+//! max_tool_speed_mm_s = 500
+//! response_per_s = 8            # the arm follows 1/8 s behind
+//! limit_margin_deg = 5.73       # slower from here to a joint's limit
+//! max_outside_deg = 5.73        # so far beyond it the arm may start
+//! singularity_margin = 0.15
+//! creep_share = 0.1             # what slowing leaves of the speed
+//! pass_wrist = true             # through which singularities the arm may pass
+//! pass_elbow = false
+//! pass_shoulder = false
+//! full_speed_to_mm = 5          # how well the hand is known: up to here at full speed,
+//! creep_from_mm = 30            # from here on at a creep
+//! full_speed_to_deg = 2.86
+//! creep_from_deg = 17.2
+//! ```
+//!
+//! Parsing is strict: an unknown key, a value of another kind or out of range is an error that names
+//! the file and the key.
+
+mod governor;
+mod puma;
+mod teleop;
+
+use crate::robot::RobotAddress;
+use governor::GovernorToml;
+use nalgebra::{Matrix3, Rotation3};
+use puma::ArmToml;
+use serde::Deserialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use teleop::TeleopToml;
+use tetrad_core::config::{GovernorConfig, PumaConfig, TeleopConfig};
+
+/// What a slave station and the commands about the arm are set to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ArmSettings {
+    /// The arm.
+    pub puma: PumaConfig,
+    /// The slave's law.
+    pub teleop: TeleopConfig,
+    /// What bounds the motion.
+    pub governor: GovernorConfig,
+    /// Where the arm is; `None` where the file does not say it.
+    pub port: Option<RobotAddress>,
+}
+
+/// Why a file of settings is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum ArmSettingsError {
+    /// It cannot be read.
+    #[error("cannot read {}", file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// What the operating system said.
+        #[source]
+        cause: std::io::Error,
+    },
+    /// It is not TOML, or a key is unknown or of another kind; the message has the line.
+    #[error("{file}: {problem}")]
+    Syntax {
+        /// The file as it was named.
+        file: String,
+        /// The line, the place in it, and what would be right.
+        problem: String,
+    },
+    /// A value that cannot be worked with.
+    #[error("{file}: {key}: {problem}")]
+    Value {
+        /// The file as it was named.
+        file: String,
+        /// The table and the key, as `[arm] min_deg`.
+        key: String,
+        /// What would be right.
+        problem: String,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileToml {
+    slave: Option<SlaveToml>,
+    arm: Option<ArmToml>,
+    teleop: Option<TeleopToml>,
+    workspace: Option<WorkspaceToml>,
+    governor: Option<GovernorToml>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SlaveToml {
+    port: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WorkspaceToml {
+    min_mm: Option<[f64; 3]>,
+    max_mm: Option<[f64; 3]>,
+}
+
+/// A key and what is wrong with its value.
+type Problem = (String, String);
+
+impl ArmSettings {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`ArmSettingsError`] that names the file and the key.
+    pub fn load(file: &Path) -> Result<Self, ArmSettingsError> {
+        let text = std::fs::read_to_string(file)
+            .map_err(|cause| ArmSettingsError::Unreadable { file: file.to_owned(), cause })?;
+        Self::parse(&text, &file.display().to_string())
+    }
+
+    /// Reads the text of a file; `file` is only for messages.
+    ///
+    /// # Errors
+    /// [`ArmSettingsError`] that names the key.
+    pub fn parse(text: &str, file: &str) -> Result<Self, ArmSettingsError> {
+        let parsed: FileToml = toml::from_str(text).map_err(|error| ArmSettingsError::Syntax {
+            file: file.to_owned(),
+            problem: error.to_string().trim_end().to_owned(),
+        })?;
+        Self::checked(&parsed).map_err(|(key, problem)| ArmSettingsError::Value {
+            file: file.to_owned(),
+            key,
+            problem,
+        })
+    }
+
+    fn checked(file: &FileToml) -> Result<Self, Problem> {
+        let mut settings = Self::default();
+        if let Some(arm) = &file.arm {
+            settings.puma = arm.config()?;
+        }
+        let mut workspace = settings.teleop.workspace;
+        if let Some(corners) = &file.workspace {
+            for axis in 0..3 {
+                set(&mut workspace.min_m[axis], corners.min_mm.map(|all| all[axis]), mm);
+                set(&mut workspace.max_m[axis], corners.max_mm.map(|all| all[axis]), mm);
+            }
+        }
+        // also without these tables: a workspace or an arm alone may not go with their defaults
+        settings.teleop = file.teleop.as_ref().unwrap_or(&TeleopToml::default()).config(&workspace)?;
+        settings.governor =
+            file.governor.as_ref().unwrap_or(&GovernorToml::default()).config(&workspace, &settings.puma)?;
+        if let Some(port) = file.slave.as_ref().and_then(|slave| slave.port.as_ref()) {
+            let address = port.parse().map_err(|error| ("[slave] port".to_owned(), format!("{error}")));
+            settings.port = Some(address?);
+        }
+        Ok(settings)
+    }
+}
+
+fn set(place: &mut f64, value: Option<f64>, unit: fn(f64) -> f64) {
+    if let Some(value) = value {
+        *place = unit(value);
+    }
+}
+
+/// Millimetres to metres. Divided: 950 mm are then exactly the 0.95 of a default.
+fn mm(value: f64) -> f64 {
+    value / 1000.0
+}
+
+/// What both the law and the governor say of a workspace.
+fn workspace_problem() -> Problem {
+    ("[workspace] min_mm, max_mm".to_owned(), "each least must be below its largest, within 100 m".to_owned())
+}
+
+fn problem(table: &str, keys: &str, error: &dyn fmt::Display) -> Problem {
+    (format!("[{table}] {keys}"), error.to_string())
+}
+
+/// Roll, pitch and yaw in degrees, about fixed axes in this order, as a rotation.
+fn turned(degrees: [f64; 3]) -> Matrix3<f64> {
+    let [roll, pitch, yaw] = degrees.map(f64::to_radians);
+    *Rotation3::from_euler_angles(roll, pitch, yaw).matrix()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,145 @@
+use super::*;
+use nalgebra::Vector3;
+use tetrad_core::config::{TeleopMode, Turning};
+
+fn parse(text: &str) -> Result<ArmSettings, ArmSettingsError> {
+    ArmSettings::parse(text, "tetrad.toml")
+}
+
+#[track_caller]
+fn refused(text: &str, message: &str) {
+    let error = parse(text).unwrap_err().to_string();
+    assert!(error.contains(message), "{error}");
+    assert!(error.starts_with("tetrad.toml: "), "{error}");
+}
+
+/// The example of the module's documentation, without one of the two keys that exclude each other.
+fn documented() -> String {
+    let lines = include_str!("../arm.rs").lines().map_while(|line| line.strip_prefix("//!"));
+    let block = lines.skip_while(|line| !line.contains("```toml")).skip(1);
+    block
+        .take_while(|line| !line.contains("```"))
+        .filter(|line| !line.contains("robot_from_hand_rpy_deg"))
+        .map(|line| format!("{line}\n"))
+        .collect()
+}
+
+#[test]
+fn the_documented_file_is_the_default() {
+    let text = documented();
+    assert!(text.contains("resume_ms"), "{text}");
+    let settings = parse(&text).unwrap();
+    let default = ArmSettings { port: Some(RobotAddress::default()), ..ArmSettings::default() };
+    assert_eq!(settings.port, default.port);
+    assert_eq!(settings.puma.tool, default.puma.tool);
+    assert_eq!(
+        settings.teleop,
+        TeleopConfig { max_lead_rad: settings.teleop.max_lead_rad, ..default.teleop }
+    );
+    assert!((settings.teleop.max_lead_rad - default.teleop.max_lead_rad).abs() < 1e-3);
+    for (a, b) in settings.puma.joints.iter().zip(&default.puma.joints) {
+        assert!((a.min_rad - b.min_rad).abs() < 1e-12 && (a.max_rad - b.max_rad).abs() < 1e-12);
+        // the file has tenths of a degree
+        assert!((a.max_speed_rad_s - b.max_speed_rad_s).abs() < 1e-3);
+    }
+    assert_governor_is_near(&settings.governor, &default.governor);
+    let (a, b) = (settings.puma.lengths, default.puma.lengths);
+    for (a, b) in [(a.base_m, b.base_m), (a.offset_m, b.offset_m), (a.elbow_m, b.elbow_m)] {
+        assert!((a - b).abs() < 1e-12);
+    }
+}
+
+#[track_caller]
+fn assert_governor_is_near(a: &GovernorConfig, b: &GovernorConfig) {
+    let numbers = |g: &GovernorConfig| {
+        let u = g.uncertainty;
+        let mut all = vec![u.full_m, u.creep_m, u.full_rad, u.creep_rad, g.speed_share, g.max_tool_speed_m_s];
+        all.extend([g.response_per_s, g.limit_margin_rad, g.max_outside_rad, g.singularity_margin]);
+        all.extend(g.max_acceleration_rad_s2.iter().chain(&g.max_jerk_rad_s3));
+        all.push(g.creep_share);
+        all
+    };
+    for (a, b) in numbers(a).iter().zip(&numbers(b)) {
+        // the file has three digits and more
+        assert!((a - b).abs() < 2e-3 * b, "{a} {b}");
+    }
+    assert_eq!((a.cycle_us, a.workspace, a.passages), (b.cycle_us, b.workspace, b.passages));
+}
+
+#[test]
+fn an_empty_file_is_the_default() {
+    assert_eq!(parse("").unwrap(), ArmSettings::default());
+    assert_eq!(parse("[arm]\n[teleop]\n[slave]\n").unwrap(), ArmSettings::default());
+}
+
+#[test]
+fn units_are_those_of_the_keys() {
+    let settings = parse(
+        "[arm]\nforearm_mm = 433\nmax_speed_deg_s = [90, 90, 90, 90, 90, 90]\ntool_mm = [1, 2, 3]\n\
+         tool_rpy_deg = [0, 0, 90]\n[teleop]\nmode = \"paper\"\nlock_turns = true\n\
+         robot_from_hand_rpy_deg = [90, 0, 0]\nresume_ms = 600\n\
+         [workspace]\nmin_mm = [100, -200, 50]\n[governor]\nmax_tool_speed_mm_s = 250\npass_elbow = true\n\
+         [slave]\nport = \"sim:?seed=4\"\n",
+    )
+    .unwrap();
+    assert!((settings.puma.lengths.forearm_m - 0.433).abs() < 1e-15);
+    assert!((settings.puma.joints[5].max_speed_rad_s - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+    assert!((settings.puma.tool.translation - Vector3::new(0.001, 0.002, 0.003)).amax() < 1e-15);
+    // yaw turns x to y; roll turns y to z
+    assert!((settings.puma.tool.rotation * Vector3::x() - Vector3::y()).amax() < 1e-15);
+    assert!((settings.teleop.robot_from_hand * Vector3::y() - Vector3::z()).amax() < 1e-15);
+    assert_eq!((settings.teleop.mode, settings.teleop.turning), (TeleopMode::Paper, Turning::Locked));
+    assert_eq!(settings.teleop.workspace.min_m, [0.1, -0.2, 0.05]);
+    assert_eq!(settings.governor.workspace, settings.teleop.workspace);
+    assert_eq!(settings.teleop.resume_us, 600_000);
+    assert_eq!(settings.governor.max_tool_speed_m_s, 0.25);
+    assert!(settings.governor.passages.elbow && !settings.governor.passages.shoulder);
+    assert_eq!(settings.port.unwrap().to_string(), "sim:?seed=4");
+}
+
+#[test]
+fn what_is_unknown_or_of_another_kind_is_named_with_its_line() {
+    refused("[arm]\nforearm_m = 0.43\n", "unknown field `forearm_m`");
+    refused("[arm]\nforearm_m = 0.43\n", "line 2");
+    refused("[amr]\n", "unknown field `amr`");
+    refused("[arm]\nmin_deg = [1, 2, 3]\n", "line 2");
+    refused("[teleop]\nmode = \"direct\"\n", "since-engage");
+    refused("arm = \n", "line 1");
+}
+
+#[test]
+fn values_that_cannot_be_are_named_by_table_and_key() {
+    refused(
+        "[arm]\nforearm_mm = 0\n",
+        "[arm] base_mm, upper_arm_mm, offset_mm, elbow_mm, forearm_mm: an arm's",
+    );
+    refused("[arm]\nmin_deg = [0, 0, 50, 0, 0, 0]\n", "[arm] min_deg, max_deg: joint 3: the range");
+    refused("[arm]\nmax_speed_deg_s = [1, 1, 1, nan, 1, 1]\n", "[arm] max_speed_deg_s: joint 4");
+    refused("[arm]\ntool_rpy_deg = [inf, 0, 0]\n", "[arm] tool_mm, tool_rpy_deg: the tool");
+    refused("[teleop]\nscale = -1\n", "[teleop] scale, turn_scale: ");
+    refused("[teleop]\ncommand_timeout_ms = nan\n", "[teleop] command_timeout_ms, ");
+    refused("[teleop]\nrobot_from_hand = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n", "[teleop] robot_from_hand: ");
+    refused("[teleop]\nlock_turns = true\nturn_scale = 0.5\n", "[teleop] lock_turns, turn_scale: ");
+    refused(
+        "[teleop]\nrobot_from_hand = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\nrobot_from_hand_rpy_deg = [0, 0, 0]\n",
+        "leave one of both out",
+    );
+    refused("[workspace]\nmin_mm = [0, 950, 0]\n", "[workspace] min_mm, max_mm: each least");
+    refused("[governor]\nmax_jerk_deg_s3 = [1, 1, 1, 1, 1, -1]\n", "[governor] max_");
+    refused("[governor]\nlimit_margin_deg = nan\n", "[governor] limit_margin_deg: 0 to 57.29");
+    refused("[governor]\ncreep_from_mm = 1\n", "[governor] full_speed_to_mm, creep_from_mm, ");
+    refused("[governor]\nspeed_share = 2\n", "[governor] speed_share: above 0 and at most 1");
+    refused("[governor]\ncycle_ms = 5\n", "unknown field `cycle_ms`");
+    // a faster arm takes longer to stop
+    refused(
+        "[arm]\nmax_speed_deg_s = [1000, 90, 90, 90, 90, 90]\n",
+        "[governor] max_acceleration_deg_s2, max_jerk_deg_s3: joint 1 would take over 2 s",
+    );
+    refused("[slave]\nport = \"usb\"\n", "[slave] port: usb: this is no arm's address");
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_named() {
+    let error = ArmSettings::load(Path::new("/nowhere/tetrad.toml")).unwrap_err();
+    assert_eq!(error.to_string(), "cannot read /nowhere/tetrad.toml");
+}
