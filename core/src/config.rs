@@ -11,6 +11,7 @@ mod filter;
 mod governor;
 mod hand;
 mod learn;
+mod slave;
 mod teleop;
 
 pub use arm::{FLANGE_M, JOINTS, JointConfig, PumaConfig, PumaConfigError, PumaLengths};
@@ -22,6 +23,7 @@ pub use filter::{
 pub use governor::{AllowedPassages, GovernorConfig, GovernorConfigError, SlowedByUncertainty};
 pub use hand::{HandConfig, MAX_ARM_M, MIN_ARM_M, PoseConfig};
 pub use learn::{LearnConfig, ProposeConfig};
+pub use slave::{SlaveConfig, SlaveConfigError};
 pub use teleop::{BelievedMotion, TeleopConfig, TeleopConfigError, TeleopMode, Turning, Workspace};
 
 use core::fmt;

@@ -40,4 +40,5 @@ pub mod robot;
 pub mod scene_file;
 pub mod settings;
 pub mod source;
+pub mod station;
 pub mod streams;

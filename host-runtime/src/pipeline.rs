@@ -92,6 +92,8 @@ pub struct HandStep {
     pub report: HandReport,
     /// The pose smoothed and carried on by the filter's lead; `None` while the hand is lost.
     pub filtered: Option<Pose>,
+    /// How many times the hand was latched, counting and wrapping.
+    pub engagements: u32,
     /// How long the solver took.
     pub solving: Duration,
 }
@@ -201,7 +203,12 @@ impl Pipeline {
                 // an engage that had waited for the hand
                 filter.reset();
             }
-            HandStep { report, filtered: filtered(filter, &report, t_us), solving }
+            HandStep {
+                report,
+                filtered: filtered(filter, &report, t_us),
+                engagements: hand.engagements(),
+                solving,
+            }
         });
         Step { cameras, hand }
     }

@@ -94,6 +94,9 @@ pub struct TrackArgs {
     /// Where the results go: observations.csv, pose.csv, filtered.csv, motion.csv, summary.json ...; made if missing
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Send the hand's motion as packets for `tetrad slave`, to this file or - for standard output
+    #[arg(long, value_name = "FILE")]
+    pub packets: Option<PathBuf>,
 }
 
 /// How a camera's balls are first known.
@@ -144,6 +147,8 @@ pub struct TrackSettings {
     pub fps: Option<f64>,
     /// Where results go.
     pub out: PathBuf,
+    /// Where the hand's motion is sent, `-` for standard output.
+    pub packets: Option<PathBuf>,
 }
 
 impl TrackSettings {
@@ -179,6 +184,10 @@ impl TrackSettings {
             Some(scene) => Self::from_scene(scene, &args)?,
             None => Self::from_colours(&args)?,
         };
+        if settings.packets.is_some() && !settings.has_pose() {
+            return Err(Failure::bad_arguments("--packets: there is no hand whose motion could be sent")
+                .help("give two cameras (or --one-camera-pose) and all four balls"));
+        }
         if settings.has_pose() && settings.arm_m.is_none() {
             return Err(Failure::bad_arguments("the arms' length is not known, and a pose needs it")
                 .help("give --arm-mm, or arm_m in the scene file"));
@@ -224,6 +233,7 @@ impl TrackSettings {
             filter: args.filter.config(),
             fps: None,
             out: args.out.clone(),
+            packets: args.packets.clone(),
         })
     }
 
@@ -270,6 +280,7 @@ impl TrackSettings {
             arm_m: args.arm_mm.map(metres).or(scene.arm_m),
             fps: scene.fps,
             out: args.out.clone(),
+            packets: args.packets.clone(),
         })
     }
 }

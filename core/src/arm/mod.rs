@@ -6,6 +6,7 @@
 //! | law | [`teleop`] | commands, the operator's button, the arm -> goal of the tool, or stop | [`teleop::CommandRefusal`], [`teleop::Status`] |
 //! | governor | [`governor`] | goal or stop -> the joints' next set-point, within every limit | [`governor::Limit`], [`governor::StartRefusal`] |
 //! | port | [`port`] | what every controller of an arm can be asked | [`port::PortError`] |
+//! | cycle | [`slave`] | commands, button, joints -> what is to be done at the port | all of the above |
 //!
 //! Generic over f32 (the microcontroller) and f64 (the host). Nothing here panics or allocates.
 
@@ -16,3 +17,5 @@ pub mod teleop;
 pub mod governor;
 
 pub mod port;
+
+pub mod slave;

@@ -1,5 +1,7 @@
-//! `tetrad demo`: simulated cameras and hand, learnt and tracked as real ones are, and compared with
-//! the truth.
+//! `tetrad demo`: simulated cameras and hand, learnt and tracked as real ones are, a simulated PUMA 560
+//! that follows, and all of it compared with the truth.
+
+mod arm;
 
 use super::interrupt::Interrupt;
 use super::{make_results_dir, note, progress, say};
@@ -12,9 +14,11 @@ use crate::pipeline::{CameraStep, Pipeline, Step};
 use crate::settings::{FilterArgs, Mode};
 use crate::source::View;
 use anyhow::Context as _;
+use arm::{ArmSummary, DemoArm};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use tetrad_core::arm::teleop::State;
 use tetrad_core::config::{LearnConfig, ProposeConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::Arms;
@@ -31,8 +35,8 @@ Examples:
   As fast as it goes over ten simulated seconds, for scripts:
     tetrad demo --headless --seconds 10 --out demo-out
 
-DIR gets the files of `tetrad track`, the truth (truth.csv, truth_pose.csv) and seen.png: a frame from
-the middle of the run with search windows and centres drawn over it.";
+DIR gets the files of `tetrad track`, the truth (truth.csv, truth_pose.csv), arm.csv and seen.png: a
+frame from the middle of the run with search windows and centres drawn over it.";
 
 /// Simulated seconds of a headless run that does not say.
 const HEADLESS_SECONDS: f64 = 10.0;
@@ -84,10 +88,12 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let mut demo = Demo::new(args, &scene, pipeline)?;
     let outcome = demo.run(&mut cameras, frames, &interrupt);
     let stopped_by = outcome.as_ref().err().map(|failure| format!("{:#}", failure.cause));
-    let Demo { recorder, comparison, .. } = demo;
+    let Demo { recorder, comparison, arm, .. } = demo;
+    let first = scene.hand(0);
+    let arm = arm.summary(|t_s| comparison::relative(&first, &scene.hand_at(t_s)));
     let summary = recorder.finish(stopped_by).or_exit(Exit::Failed);
     outcome?;
-    report(&comparison, &summary?.cameras, args);
+    report(&comparison, &summary?.cameras, &arm, args);
     Ok(())
 }
 
@@ -178,6 +184,7 @@ struct Demo<'a> {
     recorder: Recorder,
     truth: TruthCsv,
     comparison: Comparison,
+    arm: DemoArm,
     /// The frame of which a picture is saved; `None` once it is.
     picture_at: Option<u64>,
 }
@@ -197,6 +204,7 @@ impl<'a> Demo<'a> {
                 .or_exit(Exit::Failed)?,
             truth: TruthCsv::create(&args.out).or_exit(Exit::Failed)?,
             comparison: Comparison::default(),
+            arm: DemoArm::new(&args.out)?,
             picture_at: None,
         })
     }
@@ -230,8 +238,10 @@ impl<'a> Demo<'a> {
         let index = frame as usize;
         let t_s = self.scene.time_s(index);
         let stamp = (frame, t_s);
-        let timed: Vec<_> = views.iter().map(|view| (*view, (t_s * 1e6).round() as u64)).collect();
+        let t_us = (t_s * 1e6).round() as u64;
+        let timed: Vec<_> = views.iter().map(|view| (*view, t_us)).collect();
         let step = self.pipeline.step(&timed);
+        self.arm.frame(t_us, &step)?;
         self.recorder.step(&[Stamp { frame, t_s, missed: 0 }; CAMERAS.len()], &step).or_exit(Exit::Failed)?;
 
         let hand = self.scene.hand(index);
@@ -268,7 +278,8 @@ impl<'a> Demo<'a> {
             },
         );
         let t_s = self.scene.time_s(frame as usize);
-        format!("{t_s:6.1} s  {pose}  balls seen {seen}  {} us", slowest.as_micros())
+        let arm = self.arm.live_line();
+        format!("{t_s:6.1} s  {pose}  balls seen {seen}  {} us  {arm}", slowest.as_micros())
     }
 }
 
@@ -308,7 +319,12 @@ impl Clock {
     }
 }
 
-fn report(comparison: &Comparison, cameras: &[(&'static str, CameraSummary)], args: &DemoArgs) {
+fn report(
+    comparison: &Comparison,
+    cameras: &[(&'static str, CameraSummary)],
+    arm: &ArmSummary,
+    args: &DemoArgs,
+) {
     let range = |spread: Option<Spread>, unit: &str| {
         spread.map_or_else(
             || "none".to_owned(),
@@ -333,5 +349,30 @@ fn report(comparison: &Comparison, cameras: &[(&'static str, CameraSummary)], ar
             ));
         }
     }
+    report_arm(arm);
     say(format_args!("results         {}", args.out.display()));
+}
+
+/// How closely the arm followed, on the scene's clock: what a computer needs for tracking is not in it.
+fn report_arm(arm: &ArmSummary) {
+    match &arm.closeness {
+        Some(close) => {
+            say(format_args!(
+                "arm             {:.0} ms behind the hand ({:.1} mm rms on the way); beside that {:.2} mm rms, max {:.2} mm, {:.2} deg rms",
+                close.delay_s * 1e3,
+                close.behind_rms_m * 1e3,
+                close.rms_m * 1e3,
+                close.max_m * 1e3,
+                close.turn_rms_rad.to_degrees()
+            ));
+        }
+        None => say("arm             never followed the hand"),
+    }
+    let (engaged, limited) = (arm.engaged * 100.0, arm.limited * 100.0);
+    say(format_args!(
+        "                engaged {engaged:.0} % of the time, {limited:.0} % of that at a limit"
+    ));
+    if let Some(status) = arm.status.filter(|status| status.state() != State::Engaged) {
+        say(format_args!("                in the end {status}"));
+    }
 }

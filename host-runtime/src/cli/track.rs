@@ -5,13 +5,19 @@ use super::{make_results_dir, note, progress, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::learning;
 use crate::output::{RecordedCamera, Recorder, Stamp, Summary};
+use crate::pipeline::Step;
 use crate::pipeline::{CameraStart, Pipeline};
 use crate::scene_file;
 use crate::settings::{CameraSettings, Start, TrackArgs, TrackSettings};
 use crate::source::{self, Frame, Gap, Options, View};
+use crate::station::MotionSender;
 use crate::streams::{End, Stream, Streams};
 use anyhow::Context as _;
+use std::fs::File;
+use std::io::{self, Write};
 use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
 use tetrad_core::config::LearnConfig;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::filter::PoseFilter;
@@ -48,7 +54,10 @@ pub(super) fn run(args: TrackArgs) -> Result<(), Failure> {
     let stopped_by = outcome.as_ref().err().map(|failure| format!("{:#}", failure.cause));
     let written = recorder.finish(stopped_by).or_exit(Exit::Failed);
     outcome?;
-    report(&written?, &settings);
+    // standard output may be the packets'
+    let to_packets = settings.packets.as_deref().is_some_and(is_standard_output);
+    let print: fn(std::fmt::Arguments<'_>) = if to_packets { |line| note(line) } else { |line| say(line) };
+    report(&written?, &settings, print);
     Ok(())
 }
 
@@ -56,6 +65,47 @@ pub(super) fn run(args: TrackArgs) -> Result<(), Failure> {
 struct Session {
     pipeline: Pipeline,
     recorder: Recorder,
+    packets: Option<PacketsOut>,
+}
+
+/// Where the hand's motion is sent.
+struct PacketsOut {
+    sender: MotionSender,
+    out: Box<dyn Write>,
+    name: String,
+}
+
+fn is_standard_output(file: &Path) -> bool {
+    file == Path::new("-")
+}
+
+impl PacketsOut {
+    fn create(file: &Path) -> Result<Self, Failure> {
+        let name = file.display().to_string();
+        let (out, name): (Box<dyn Write>, String) = if is_standard_output(file) {
+            (Box::new(io::stdout()), "standard output".to_owned())
+        } else {
+            let made = File::create(file).with_context(|| format!("cannot write {name}"));
+            (Box::new(made.or_exit(Exit::BadArguments)?), name)
+        };
+        Ok(Self { sender: MotionSender::new(session()), out, name })
+    }
+
+    /// Sends one step. There is no operator here who could let go: engaged means that the hand is
+    /// tracked, and it is the slave's hold-to-run that moves the arm.
+    fn send(&mut self, step: &Step, capture_us: u64) -> Result<(), Failure> {
+        let Some(packet) = self.sender.packet(step, capture_us, true) else { return Ok(()) };
+        // the tracker's numbers are finite; if they were not, the packet is as good as lost
+        let Ok(frame) = self.sender.frame(packet) else { return Ok(()) };
+        let sent = self.out.write_all(frame).and_then(|()| self.out.flush());
+        sent.with_context(|| format!("cannot send packets to {}", self.name)).or_exit(Exit::DeviceLost)
+    }
+}
+
+/// A number that no earlier run is likely to have had.
+fn session() -> u32 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    since.subsec_nanos() ^ (since.as_secs() as u32).rotate_left(8) ^ std::process::id().rotate_left(20)
 }
 
 fn open(settings: &TrackSettings) -> Result<Streams, Failure> {
@@ -86,19 +136,24 @@ fn track(
         .collect();
     let bar = progress::frames(streams.frames());
     let end = streams.run(|frames| {
-        let Session { pipeline, recorder } = match session {
+        let Session { pipeline, recorder, packets } = match session {
             Some(session) => session,
             None => {
                 let pipeline = start(settings, frames)?;
                 let recorder =
                     Recorder::create(&settings.out, settings.mode.name(), cameras.clone(), settings.balls)
                         .or_exit(Exit::Failed)?;
-                session.insert(Session { pipeline, recorder })
+                let packets = settings.packets.as_deref().map(PacketsOut::create).transpose()?;
+                session.insert(Session { pipeline, recorder, packets })
             }
         };
         let views: Vec<_> = frames.iter().map(|frame| (frame.view, micros(frame.t_s))).collect();
         let stamps: Vec<_> = frames.iter().map(stamp).collect();
-        recorder.step(&stamps, &pipeline.step(&views)).or_exit(Exit::Failed)?;
+        let step = pipeline.step(&views);
+        recorder.step(&stamps, &step).or_exit(Exit::Failed)?;
+        if let (Some(packets), Some((_, t_us))) = (packets, views.first()) {
+            packets.send(&step, *t_us)?;
+        }
         bar.inc(1);
         Ok(if interrupt.asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     });
@@ -181,7 +236,7 @@ fn micros(t_s: f64) -> u64 {
     (t_s * 1e6).round() as u64
 }
 
-fn report(summary: &Summary, settings: &TrackSettings) {
+fn report(summary: &Summary, settings: &TrackSettings, say: fn(std::fmt::Arguments<'_>)) {
     say(format_args!("{} frames tracked, results in {}", summary.frames, settings.out.display()));
     for (name, camera) in &summary.cameras {
         let seen: Vec<String> = camera

@@ -3,6 +3,7 @@
 //! Every row is handed to the operating system at once, so what was written so far outlives an error.
 //! Numbers have the fewest digits that read back as the same `f32`; what is not known is left empty.
 
+mod arm;
 mod csv;
 mod hand;
 mod observations;
@@ -12,6 +13,7 @@ mod scan;
 mod summary;
 mod truth;
 
+pub use arm::ArmCsv;
 pub use csv::{CsvFile, OutputError};
 pub use hand::{MotionCsv, PoseCovarianceCsv, PoseCsv};
 pub use observations::{ObservationsCsv, UncertaintyCsv};

@@ -43,6 +43,12 @@ impl RobotAddress {
     pub const fn kind(&self) -> &RobotKind {
         &self.kind
     }
+
+    /// Whether something could be hurt by what is there.
+    #[must_use]
+    pub const fn moves_an_arm(&self) -> bool {
+        !matches!(self.kind, RobotKind::Simulated(_) | RobotKind::DryRun(_))
+    }
 }
 
 /// `sim:`, so that everything runs without an arm.

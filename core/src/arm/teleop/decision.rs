@@ -20,6 +20,12 @@ pub enum ArmCondition {
     NotReady,
     /// It reports a fault, or cannot be reached.
     Fault,
+    /// It cannot start where it is: a joint is far outside its range, or its place is no number.
+    CannotStart,
+    /// It is not where it was sent.
+    Astray,
+    /// Its joints cannot be read.
+    Blind,
 }
 
 /// The arm as it is now. Poses of the tool in the robot's base.
@@ -43,6 +49,9 @@ impl<T: Real> ArmView<T> {
             ArmCondition::Ready => {}
             ArmCondition::NotReady => return Err(FaultReason::ArmNotReady),
             ArmCondition::Fault => return Err(FaultReason::Arm),
+            ArmCondition::CannotStart => return Err(FaultReason::ArmCannotStart),
+            ArmCondition::Astray => return Err(FaultReason::ArmAstray),
+            ArmCondition::Blind => return Err(FaultReason::ArmBlind),
         }
         for pose in [&self.measured, &self.set_point] {
             check_pose(pose).map_err(|bad| match bad {

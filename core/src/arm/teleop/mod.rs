@@ -72,7 +72,7 @@ use law::{Follow, Law};
 use newest::{Newest, SenderLatch};
 
 #[cfg(test)]
-pub(super) mod tests;
+pub(in crate::arm) mod tests;
 
 /// The law of one arm, in f32 or f64.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -55,6 +55,12 @@ pub enum FaultReason {
     ArmNotReady,
     /// The arm reports a fault.
     Arm,
+    /// The arm cannot start where its joints are.
+    ArmCannotStart,
+    /// The arm is not where it was sent.
+    ArmAstray,
+    /// The arm's joints cannot be read.
+    ArmBlind,
     /// A pose that is said to be the arm's is not made of finite numbers.
     ArmPoseNotFinite,
     /// The rotation of a pose that is said to be the arm's is not a rotation.
@@ -140,6 +146,15 @@ impl fmt::Display for FaultReason {
         f.write_str(match self {
             Self::ArmNotReady => "the arm is not ready; enable it, let go of hold-to-run and reset",
             Self::Arm => "the arm reports a fault; clear it at the arm, let go of hold-to-run and reset",
+            Self::ArmCannotStart => {
+                "the arm cannot start where its joints are; move it by hand or from its own panel into range"
+            }
+            Self::ArmAstray => {
+                "the arm is not where it was sent; look for what holds it, let go of hold-to-run and reset"
+            }
+            Self::ArmBlind => {
+                "the arm's joints cannot be read; check its encoders and its line, let go of hold-to-run and reset"
+            }
             Self::ArmPoseNotFinite => {
                 "the arm's pose is not made of finite numbers; check its encoders and configuration, then reset"
             }

@@ -2,7 +2,7 @@
 
 mod clutch;
 
-mod network;
+pub(in crate::arm) mod network;
 
 mod paper;
 
@@ -19,7 +19,7 @@ use crate::hand::state::PoseCovariance;
 use nalgebra::{Matrix3, Vector3};
 
 /// Between two frames of the sender.
-pub(super) const FRAME_US: u64 = 33_333;
+pub(in crate::arm) const FRAME_US: u64 = 33_333;
 
 /// How many random sequences a test runs: all of them with `TETRAD_FULL=1` or in a release build (as
 /// `cargo verify` does), a twentieth otherwise.
@@ -62,45 +62,45 @@ impl Random {
     }
 }
 
-pub(super) use crate::hand::so3;
+pub(in crate::arm) use crate::hand::so3;
 
-pub(super) fn single(pose: &Pose<f64>) -> Pose {
+pub(in crate::arm) fn single(pose: &Pose<f64>) -> Pose {
     Pose { rotation: pose.rotation.map(|x| x as f32), translation: pose.translation.map(|x| x as f32) }
 }
 
-pub(super) fn of<T: Real>(pose: &Pose<f64>) -> Pose<T> {
+pub(in crate::arm) fn of<T: Real>(pose: &Pose<f64>) -> Pose<T> {
     Pose { rotation: pose.rotation.map(T::of), translation: pose.translation.map(T::of) }
 }
 
-pub(super) fn double<T: Real>(pose: &Pose<T>) -> Pose<f64> {
+pub(in crate::arm) fn double<T: Real>(pose: &Pose<T>) -> Pose<f64> {
     Pose { rotation: pose.rotation.map(T::to_f64), translation: pose.translation.map(T::to_f64) }
 }
 
 /// Metres and radians between two poses.
-pub(super) fn apart(a: &Pose<f64>, b: &Pose<f64>) -> (f64, f64) {
+pub(in crate::arm) fn apart(a: &Pose<f64>, b: &Pose<f64>) -> (f64, f64) {
     ((a.translation - b.translation).norm(), law::angle(&a.rotation, &b.rotation))
 }
 
-pub(super) fn at(x: f64, y: f64, z: f64) -> Pose<f64> {
+pub(in crate::arm) fn at(x: f64, y: f64, z: f64) -> Pose<f64> {
     Pose { rotation: Matrix3::identity(), translation: Vector3::new(x, y, z) }
 }
 
 /// The operator station: where the hand is and was latched, and the commands that tell of it.
 #[derive(Clone, Copy)]
-pub(super) struct Sender {
+pub(in crate::arm) struct Sender {
     /// world_from_hand, now and in the command before.
-    pub(super) hand: Pose<f64>,
+    pub(in crate::arm) hand: Pose<f64>,
     before: Pose<f64>,
-    pub(super) latch: Pose<f64>,
-    pub(super) engaged: bool,
-    pub(super) engagements: u32,
-    pub(super) session: u32,
-    pub(super) sequence: u32,
-    pub(super) state: PoseState,
+    pub(in crate::arm) latch: Pose<f64>,
+    pub(in crate::arm) engaged: bool,
+    pub(in crate::arm) engagements: u32,
+    pub(in crate::arm) session: u32,
+    pub(in crate::arm) sequence: u32,
+    pub(in crate::arm) state: PoseState,
 }
 
 impl Sender {
-    pub(super) fn new(hand: Pose<f64>) -> Self {
+    pub(in crate::arm) fn new(hand: Pose<f64>) -> Self {
         Self {
             hand,
             before: hand,
@@ -113,14 +113,14 @@ impl Sender {
         }
     }
 
-    pub(super) fn engage(&mut self) {
+    pub(in crate::arm) fn engage(&mut self) {
         self.latch = self.hand;
         self.engagements = self.engagements.wrapping_add(1);
         self.engaged = true;
     }
 
     /// The command of a frame; when it comes is still open.
-    pub(super) fn command(&mut self, capture_us: u64) -> Command {
+    pub(in crate::arm) fn command(&mut self, capture_us: u64) -> Command {
         self.sequence = self.sequence.wrapping_add(1);
         // a still hand does not move by a rounding
         let between = |a: &Pose<f64>, b: &Pose<f64>| {
@@ -144,15 +144,15 @@ impl Sender {
 }
 
 /// A slave station without a network: what is sent comes at once.
-pub(super) struct Rig<T> {
-    pub(super) teleop: Teleop<T>,
-    pub(super) arm: ArmView<T>,
-    pub(super) sender: Sender,
-    pub(super) now_us: u64,
+pub(in crate::arm) struct Rig<T> {
+    pub(in crate::arm) teleop: Teleop<T>,
+    pub(in crate::arm) arm: ArmView<T>,
+    pub(in crate::arm) sender: Sender,
+    pub(in crate::arm) now_us: u64,
 }
 
 impl<T: Real> Rig<T> {
-    pub(super) fn new(config: &TeleopConfig) -> Self {
+    pub(in crate::arm) fn new(config: &TeleopConfig) -> Self {
         let place = of(&at(0.4, 0.1, 0.8));
         Self {
             teleop: Teleop::new(config).unwrap(),
@@ -163,7 +163,7 @@ impl<T: Real> Rig<T> {
     }
 
     /// Reset, armed, with a sender that is heard.
-    pub(super) fn armed(config: &TeleopConfig) -> Self {
+    pub(in crate::arm) fn armed(config: &TeleopConfig) -> Self {
         let mut rig = Self::new(config);
         rig.button(false);
         rig.teleop.reset(rig.now_us, &rig.arm).unwrap();
@@ -172,28 +172,28 @@ impl<T: Real> Rig<T> {
         rig
     }
 
-    pub(super) fn engaged(config: &TeleopConfig) -> Self {
+    pub(in crate::arm) fn engaged(config: &TeleopConfig) -> Self {
         let mut rig = Self::armed(config);
         rig.press();
         assert_eq!(rig.step().status, Status::Engaged);
         rig
     }
 
-    pub(super) fn wait(&mut self, us: u64) {
+    pub(in crate::arm) fn wait(&mut self, us: u64) {
         self.now_us += us;
     }
 
     /// What the button is, told now.
-    pub(super) fn button(&mut self, pressed: bool) {
+    pub(in crate::arm) fn button(&mut self, pressed: bool) {
         self.teleop.hold_to_run(pressed, self.now_us);
     }
 
     /// One command, a frame later.
-    pub(super) fn frame(&mut self) {
+    pub(in crate::arm) fn frame(&mut self) {
         self.send(|_| ()).unwrap();
     }
 
-    pub(super) fn send(&mut self, change: impl FnOnce(&mut Command)) -> Result<(), CommandRefusal> {
+    pub(in crate::arm) fn send(&mut self, change: impl FnOnce(&mut Command)) -> Result<(), CommandRefusal> {
         self.wait(FRAME_US);
         let mut command = self.sender.command(self.now_us);
         command.received_us = self.now_us;
@@ -202,20 +202,20 @@ impl<T: Real> Rig<T> {
     }
 
     /// Button and commands say engaged.
-    pub(super) fn press(&mut self) {
+    pub(in crate::arm) fn press(&mut self) {
         self.sender.engage();
         self.button(true);
         self.frame();
     }
 
-    pub(super) fn release(&mut self) {
+    pub(in crate::arm) fn release(&mut self) {
         self.sender.engaged = false;
         self.frame();
         self.button(false);
     }
 
     /// The hand goes on by this much in the axes of the hand at engage; a command tells of it.
-    pub(super) fn move_hand(&mut self, by: Vector3<f64>) {
+    pub(in crate::arm) fn move_hand(&mut self, by: Vector3<f64>) {
         self.sender.hand.translation += self.sender.latch.rotation * by;
         self.frame();
         let pressed = self.teleop.button.is_pressed();
@@ -223,7 +223,7 @@ impl<T: Real> Rig<T> {
     }
 
     /// One step; the arm goes where it is sent.
-    pub(super) fn step(&mut self) -> Decision<T> {
+    pub(in crate::arm) fn step(&mut self) -> Decision<T> {
         let decision = self.teleop.step(self.now_us, &self.arm);
         if let Some(goal) = decision.order.goal() {
             self.arm.set_point = *goal;

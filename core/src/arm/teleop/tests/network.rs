@@ -5,19 +5,19 @@ use std::vec::Vec;
 
 /// What may happen to a command on its way.
 #[derive(Clone, Copy)]
-pub(super) struct Network {
-    pub(super) loss: f64,
+pub(in crate::arm) struct Network {
+    pub(in crate::arm) loss: f64,
     /// A command takes from nothing to this long, microseconds.
-    pub(super) jitter_us: u64,
-    pub(super) repeats: f64,
+    pub(in crate::arm) jitter_us: u64,
+    pub(in crate::arm) repeats: f64,
 }
 
 impl Network {
     /// Show 5: 30 % lost, 200 ms of jitter, so that they overtake one another.
-    pub(super) const BAD: Self = Self { loss: 0.3, jitter_us: 200_000, repeats: 0.1 };
+    pub(in crate::arm) const BAD: Self = Self { loss: 0.3, jitter_us: 200_000, repeats: 0.1 };
 
     /// Puts a command sent now on its way.
-    pub(super) fn send(
+    pub(in crate::arm) fn send(
         &self,
         command: Command,
         now_us: u64,
@@ -35,7 +35,7 @@ impl Network {
 }
 
 /// Those that have come by now, in the order in which they came.
-pub(super) fn arrived(now_us: u64, under_way: &mut Vec<Command>) -> Vec<Command> {
+pub(in crate::arm) fn arrived(now_us: u64, under_way: &mut Vec<Command>) -> Vec<Command> {
     let mut come: Vec<Command> = under_way.iter().filter(|c| c.received_us <= now_us).copied().collect();
     under_way.retain(|c| c.received_us > now_us);
     come.sort_by_key(|c| c.received_us);
@@ -43,7 +43,7 @@ pub(super) fn arrived(now_us: u64, under_way: &mut Vec<Command>) -> Vec<Command>
 }
 
 /// A smooth random way: speeds that change now and then.
-pub(super) struct Wander {
+pub(in crate::arm) struct Wander {
     velocity: Vector3<f64>,
     turn: Vector3<f64>,
     speed: f64,
@@ -51,11 +51,11 @@ pub(super) struct Wander {
 }
 
 impl Wander {
-    pub(super) fn new(speed: f64, turn_speed: f64) -> Self {
+    pub(in crate::arm) fn new(speed: f64, turn_speed: f64) -> Self {
         Self { velocity: Vector3::zeros(), turn: Vector3::zeros(), speed, turn_speed }
     }
 
-    pub(super) fn go(&mut self, hand: &mut Pose<f64>, dt: f64, random: &mut Random) {
+    pub(in crate::arm) fn go(&mut self, hand: &mut Pose<f64>, dt: f64, random: &mut Random) {
         if random.chance(2.0 * dt) || self.velocity == Vector3::zeros() {
             self.velocity = random.vector(self.speed / 3f64.sqrt());
             self.turn = random.vector(self.turn_speed / 3f64.sqrt());
@@ -66,13 +66,13 @@ impl Wander {
 }
 
 /// An arm that goes to the goal at no more than its speeds.
-pub(super) struct Servo {
-    pub(super) speed: f64,
-    pub(super) turn_speed: f64,
+pub(in crate::arm) struct Servo {
+    pub(in crate::arm) speed: f64,
+    pub(in crate::arm) turn_speed: f64,
 }
 
 impl Servo {
-    pub(super) fn go<T: Real>(&self, arm: &mut ArmView<T>, order: &Order<T>, dt: f64) {
+    pub(in crate::arm) fn go<T: Real>(&self, arm: &mut ArmView<T>, order: &Order<T>, dt: f64) {
         let Some(goal) = order.goal().map(double) else { return };
         let mut now = double(&arm.set_point);
         let (metres, radians) = apart(&goal, &now);
@@ -92,16 +92,16 @@ impl Servo {
 
 /// Where the goal ends after a random way of the hand through a network, the step of the arm, and
 /// where the hand's way leads without one.
-pub(super) struct Ends<T> {
-    pub(super) goal: Pose<T>,
-    pub(super) commanded: Pose<f64>,
-    pub(super) counts: Counts,
-    pub(super) held: bool,
+pub(in crate::arm) struct Ends<T> {
+    pub(in crate::arm) goal: Pose<T>,
+    pub(in crate::arm) commanded: Pose<f64>,
+    pub(in crate::arm) counts: Counts,
+    pub(in crate::arm) held: bool,
 }
 
 /// Two seconds of a hand at up to 0.25 m/s and 0.8 rad/s, then a second at rest. The button comes
 /// over a wire of its own, or with the commands.
-pub(super) fn through<T: Real>(
+pub(in crate::arm) fn through<T: Real>(
     config: &TeleopConfig,
     network: Network,
     seed: u64,
@@ -159,7 +159,7 @@ pub(super) fn through<T: Real>(
     Ends { goal, commanded, counts: rig.teleop.counts(), held }
 }
 
-pub(super) const PERFECT: Network = Network { loss: 0.0, jitter_us: 0, repeats: 0.0 };
+pub(in crate::arm) const PERFECT: Network = Network { loss: 0.0, jitter_us: 0, repeats: 0.0 };
 
 const SLOW_ARM: Servo = Servo { speed: 0.5, turn_speed: 2.0 };
 

@@ -1,0 +1,95 @@
+//! Where the arm ends: clutched a thousand times, and through a bad network.
+
+use super::*;
+use crate::arm::governor::Verdict;
+use crate::arm::teleop::tests::network::{Network, Wander, arrived};
+use crate::arm::teleop::tests::{Random, apart, sequences};
+use crate::config::TeleopConfig;
+
+#[test]
+fn a_thousand_clutch_cycles_with_a_still_hand_move_nothing() {
+    let mut rig = Rig::<f64>::armed(&SlaveConfig::default());
+    let start = rig.joints;
+    let mut random = Random::new(5);
+    for _ in 0..1000 {
+        // the hand goes elsewhere while it is not followed
+        rig.sender.hand = Pose { rotation: random.rotation(2.0), translation: random.vector(0.4) };
+        rig.run(70_000);
+        rig.press();
+        let step = rig.run(100_000);
+        assert!(step.decision.order.goal().is_some(), "{}", step.decision.status);
+        rig.release();
+        rig.run(50_000);
+    }
+    assert_eq!(rig.joints, start);
+}
+
+/// Two seconds of a moving hand, then time to catch up; where the tool ends, and where it was
+/// commanded to.
+fn through(config: &SlaveConfig, network: &Network, seed: u64) -> (Pose<f64>, Pose<f64>, Verdict) {
+    let mut random = Random::new(seed);
+    let mut fates = Random::new(seed ^ 0xFA7E);
+    let mut wander = Wander::new(0.15, 0.5);
+    let mut rig = Rig::<f64>::armed(config);
+    let start = rig.tool();
+    let mut under_way = Vec::new();
+    let mut verdict = Verdict::Pass;
+    let begun_us = rig.now_us;
+    while rig.now_us < begun_us + 6_000_000 {
+        rig.now_us += 10_000;
+        let since_us = rig.now_us - begun_us;
+        if since_us > 300_000 && !rig.sender.engaged {
+            rig.press();
+        }
+        if (600_000..2_600_000).contains(&since_us) {
+            wander.go(&mut rig.sender.hand, 0.01, &mut random);
+        }
+        if let Some(command) = rig.due() {
+            network.send(command, rig.now_us, &mut under_way, &mut fates);
+        }
+        for command in arrived(rig.now_us, &mut under_way) {
+            // an old one is refused
+            let _ = rig.slave.take(&command);
+        }
+        let governed = rig.step().governed;
+        verdict = governed.map_or(verdict, |governed| governed.verdict);
+    }
+    let moved = rig.sender.latch.inverse().compose(&rig.sender.hand);
+    let commanded = Pose {
+        translation: start.translation + moved.translation,
+        rotation: moved.rotation * start.rotation,
+    };
+    (rig.tool(), commanded, verdict)
+}
+
+#[test]
+fn the_arm_ends_where_it_was_commanded_through_loss_jitter_and_reordering() {
+    let (mut worst, mut clamped, all) = ((0.0_f64, 0.0_f64), 0, sequences(2_000));
+    for seed in 0..all {
+        let (tool, commanded, verdict) = through(&SlaveConfig::default(), &Network::BAD, seed);
+        if verdict == Verdict::Clamp {
+            // the hand led out of the arm's range, and this was said
+            clamped += 1;
+            continue;
+        }
+        let (metres, radians) = apart(&tool, &commanded);
+        assert!(metres < 1e-6 && radians < 1e-6, "seed {seed}: {metres} m, {radians} rad");
+        worst = (worst.0.max(metres), worst.1.max(radians));
+    }
+    std::println!("{all} ways, {clamped} of them out of range; worst {worst:?}");
+    assert!(clamped < all / 20);
+}
+
+#[test]
+fn in_paper_mode_the_loss_shows() {
+    let config = SlaveConfig { teleop: TeleopConfig::paper(), ..SlaveConfig::default() };
+    let mut off: Vec<f64> = (0..40)
+        .map(|seed| {
+            let (tool, commanded, _) = through(&config, &Network::BAD, seed);
+            apart(&tool, &commanded).0
+        })
+        .collect();
+    off.sort_by(f64::total_cmp);
+    std::println!("paper mode: {:?} m off in the middle", off[20]);
+    assert!(off[20] > 0.01, "{off:?}");
+}

@@ -1,0 +1,163 @@
+//! The slave station around its law: one cycle from what came to what the robot port is told.
+
+use crate::robot::Robot;
+use std::fmt;
+use tetrad_core::arm::port::{PortError, PortStatus};
+use tetrad_core::arm::slave::{ArmReading, PortOrder, Slave, SlaveStep};
+use tetrad_core::arm::teleop::{Command, CommandRefusal, Counts, ResetRefusal};
+use tetrad_core::config::{SlaveConfig, SlaveConfigError};
+use tetrad_core::wire::MotionPacket;
+
+/// A slave with its arm.
+pub struct SlaveStation {
+    slave: Slave<f64>,
+    robot: Box<dyn Robot>,
+}
+
+/// What came of one cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cycle {
+    /// The law's and the limits' part of it.
+    pub step: SlaveStep<f64>,
+    /// What the port said at its beginning.
+    pub reading: ArmReading<f64>,
+    /// What went wrong at the port; not [`PortError::NotReady`], which its status tells.
+    pub port_error: Option<PortError>,
+}
+
+/// A reset that was not done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EnableThenReset {
+    /// The arm is being switched on; ask again when it is ready.
+    SwitchingOn,
+    /// The port refuses to be enabled.
+    Port(PortError),
+    /// The law refuses.
+    Law(ResetRefusal),
+}
+
+impl fmt::Display for EnableThenReset {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SwitchingOn => f.write_str("the arm is being switched on"),
+            Self::Port(error) => error.fmt(f),
+            Self::Law(refusal) => refusal.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for EnableThenReset {}
+
+impl fmt::Debug for SlaveStation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SlaveStation").field("slave", &self.slave).finish_non_exhaustive()
+    }
+}
+
+impl SlaveStation {
+    /// A station that is stopped; the arm is not enabled before the first [reset](Self::reset).
+    ///
+    /// # Errors
+    /// [`SlaveConfigError`] for a setting that cannot be worked with.
+    pub fn new(config: &SlaveConfig, robot: Box<dyn Robot>) -> Result<Self, SlaveConfigError> {
+        Ok(Self { slave: Slave::new(config)?, robot })
+    }
+
+    /// The arm's port.
+    #[must_use]
+    pub fn robot(&self) -> &dyn Robot {
+        &*self.robot
+    }
+
+    /// The law, the limits and the arm's model.
+    #[must_use]
+    pub const fn slave(&self) -> &Slave<f64> {
+        &self.slave
+    }
+
+    /// How many commands came, and what became of them.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.slave.counts()
+    }
+
+    /// Takes a packet that came at `received_us` of the station's clock.
+    ///
+    /// # Errors
+    /// [`CommandRefusal`]; the command is dropped and counted.
+    pub fn take(&mut self, packet: &MotionPacket, received_us: u64) -> Result<(), CommandRefusal> {
+        self.slave.take(&Command::new(packet, received_us))
+    }
+
+    /// Takes the state of the operator's button; to be told again and again.
+    pub fn hold_to_run(&mut self, pressed: bool, received_us: u64) {
+        self.slave.hold_to_run(pressed, received_us);
+    }
+
+    /// Stops the arm until it is reset: at once to rest within its limits.
+    pub const fn stop(&mut self) {
+        self.slave.stop();
+    }
+
+    /// Ends a stop or a fault and, where that is needed, has the arm switched on. Nothing moves before
+    /// the next press.
+    ///
+    /// # Errors
+    /// [`EnableThenReset`]; where the arm is being switched on it is to be asked again.
+    pub fn reset(&mut self, now_us: u64) -> Result<(), EnableThenReset> {
+        match self.robot.status() {
+            PortStatus::Ready => {}
+            PortStatus::Enabling | PortStatus::NotHomed => return Err(EnableThenReset::SwitchingOn),
+            PortStatus::Disabled | PortStatus::Stopped | PortStatus::Fault(_) | PortStatus::Lost => {
+                self.robot.enable().map_err(EnableThenReset::Port)?;
+                if self.robot.status() != PortStatus::Ready {
+                    return Err(EnableThenReset::SwitchingOn);
+                }
+            }
+        }
+        let reading = self.read().0;
+        self.slave.reset(now_us, &reading).map_err(EnableThenReset::Law)
+    }
+
+    /// One cycle, at the rate of the limits' configuration.
+    pub fn cycle(&mut self, now_us: u64) -> Cycle {
+        let (reading, unread) = self.read();
+        let step = self.slave.step(now_us, &reading);
+        let told = match &step.order {
+            PortOrder::Write(joints) => self.robot.write_set_point(joints),
+            PortOrder::Stop => self.robot.stop(),
+            PortOrder::Nothing => Ok(()),
+        };
+        let untold = told.err().filter(|error| !matches!(error, PortError::NotReady(_)));
+        if untold.is_some_and(is_refused_set_point) {
+            // the limits and the port disagree on what the arm can do: nobody knows where it would go
+            let _ = self.robot.stop();
+            self.slave.stop();
+        }
+        Cycle { step, reading, port_error: untold.or(unread) }
+    }
+
+    /// Stops the arm at its port too, as at the end of a run.
+    ///
+    /// # Errors
+    /// [`PortError`] where the port cannot be told.
+    pub fn shut_down(&mut self) -> Result<(), PortError> {
+        self.slave.stop();
+        self.robot.stop()
+    }
+
+    fn read(&mut self) -> (ArmReading<f64>, Option<PortError>) {
+        let status = self.robot.status();
+        match self.robot.read_joints() {
+            Ok(joints) => (ArmReading { joints: Some(joints), status }, None),
+            Err(error) => {
+                let expected = matches!(error, PortError::NotMeasured | PortError::NotReady(_));
+                (ArmReading { joints: None, status }, Some(error).filter(|_| !expected))
+            }
+        }
+    }
+}
+
+const fn is_refused_set_point(error: PortError) -> bool {
+    matches!(error, PortError::NotFinite(_) | PortError::OutOfRange(_) | PortError::TooFar(_))
+}
