@@ -1,5 +1,6 @@
 //! The address of an arm, as `--port` and `[slave] port` give it: `KIND:WHERE?option=value&...`.
 
+use super::canopen::CanopenAddress;
 use super::simulated::SimulatedOptions;
 use super::val2;
 use std::fmt;
@@ -7,7 +8,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 /// What may be given, for messages.
-const KNOWN: &str = "sim:, dry-run:FILE or val2:DEVICE";
+const KNOWN: &str = "sim:, dry-run:FILE, val2:DEVICE, canopen:can0 or canopen+slcan:DEVICE";
 
 /// Where an arm is, understood but not opened.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +26,8 @@ pub enum RobotKind {
     DryRun(PathBuf),
     /// `val2:DEVICE?...`: a VAL II terminal; device and settings as [`val2::parse`] takes them.
     Val2(String),
+    /// `canopen:INTERFACE` or `canopen+slcan:DEVICE?...`: drives on a CAN bus.
+    Canopen(CanopenAddress),
 }
 
 /// Why an address cannot be understood.
@@ -93,6 +96,7 @@ fn understand(text: &str) -> Result<RobotKind, String> {
             Ok(_) => Ok(RobotKind::Val2(rest.to_owned())),
             Err(error) => Err(error.to_string()),
         },
+        "canopen" | "canopen+slcan" => text.parse().map(RobotKind::Canopen),
         _ => Err(format!("'{kind}' is no kind of arm: give {KNOWN}")),
     }
 }
@@ -129,6 +133,17 @@ mod tests {
         assert_eq!(address.kind(), &RobotKind::Val2("/dev/ttyUSB0?baud=9600".to_owned()));
         assert!(problem("val2:/dev/ttyUSB0?speed=fast").contains("percent"));
         assert!(problem("val2:").contains("name the serial port"));
+    }
+
+    #[test]
+    fn a_can_bus_may_be_an_interface_or_an_adapter() {
+        for text in ["canopen:can0", "canopen+slcan:/dev/ttyACM0?bitrate=500000"] {
+            let address: RobotAddress = text.parse().unwrap();
+            assert_eq!(address.kind(), &RobotKind::Canopen(text.parse().unwrap()));
+            assert_eq!(address.to_string(), text);
+            assert!(address.moves_an_arm());
+        }
+        assert!(problem("canopen:").contains("name the CAN interface"));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! | a PUMA 560 that is not there | [`simulated`] | `sim:` |
 //! | nothing but a record | [`dry_run`] | `dry-run:FILE` |
 //! | a PUMA's own controller, at its terminal | [`val2`] | `val2:DEVICE` |
+//! | six CiA 402 drives on a CAN bus | [`canopen`] | `canopen:INTERFACE`, `canopen+slcan:DEVICE` |
 //!
 //! [`address`] understands the address, [`open`] opens the port. All of them keep the contract of
 //! [`tetrad_core::arm::port`]; [`set_point`] is the part of it that is the same everywhere.
@@ -25,8 +26,11 @@ pub mod dry_run;
 
 pub mod val2;
 
+pub mod canopen;
+
 pub use address::{AddressError, RobotAddress, RobotKind};
 
+use canopen::CanopenConfig;
 use dry_run::DryRun;
 use simulated::SimulatedArm;
 use std::error::Error;
@@ -77,11 +81,16 @@ pub enum RobotError {
     },
 }
 
-/// Opens what is at the address, for this arm. It is not switched on by that.
+/// Opens what is at the address, for this arm. It is not switched on by that. `canopen` is what is set
+/// about drives on a CAN bus.
 ///
 /// # Errors
 /// [`RobotError`].
-pub fn open(address: &RobotAddress, puma: &PumaConfig) -> Result<Box<dyn Robot>, RobotError> {
+pub fn open(
+    address: &RobotAddress,
+    puma: &PumaConfig,
+    canopen: &CanopenConfig,
+) -> Result<Box<dyn Robot>, RobotError> {
     puma.check()?;
     let text = || address.to_string();
     match address.kind() {
@@ -90,6 +99,10 @@ pub fn open(address: &RobotAddress, puma: &PumaConfig) -> Result<Box<dyn Robot>,
             Err(cause) => Err(RobotError::Option { address: text(), cause: cause.into() }),
         },
         RobotKind::DryRun(file) => match DryRun::create(file, puma) {
+            Ok(port) => Ok(Box::new(port)),
+            Err(cause) => Err(RobotError::Open { address: text(), cause: cause.into() }),
+        },
+        RobotKind::Canopen(place) => match canopen::open(place, puma, canopen) {
             Ok(port) => Ok(Box::new(port)),
             Err(cause) => Err(RobotError::Open { address: text(), cause: cause.into() }),
         },
@@ -106,7 +119,7 @@ mod tests {
     use tetrad_core::arm::port::PortStatus;
 
     fn open_text(text: &str) -> Result<Box<dyn Robot>, RobotError> {
-        open(&text.parse().unwrap(), &PumaConfig::default())
+        open(&text.parse().unwrap(), &PumaConfig::default(), &CanopenConfig::default())
     }
 
     #[test]
@@ -125,6 +138,9 @@ mod tests {
         assert_eq!(error.to_string(), "cannot open dry-run:/nowhere/at/all.csv");
         let mut bad = PumaConfig::default();
         bad.lengths.forearm_m = 0.0;
-        assert!(matches!(open(&"sim:".parse().unwrap(), &bad), Err(RobotError::Config(_))));
+        assert!(matches!(
+            open(&"sim:".parse().unwrap(), &bad, &CanopenConfig::default()),
+            Err(RobotError::Config(_))
+        ));
     }
 }

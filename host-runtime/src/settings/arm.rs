@@ -51,6 +51,9 @@
 //! creep_from_mm = 30            # from here on at a creep
 //! full_speed_to_deg = 2.86
 //! creep_from_deg = 17.2
+//!
+//! [canopen]                     # drives on a CAN bus: docs/canopen.md lists the keys
+//! nodes = [1, 2, 3, 4, 5, 6]
 //! ```
 //!
 //! Parsing is strict: an unknown key, a value of another kind or out of range is an error that names
@@ -61,6 +64,7 @@ mod puma;
 mod teleop;
 
 use crate::robot::RobotAddress;
+use crate::robot::canopen::CanopenConfig;
 use governor::GovernorToml;
 use nalgebra::{Matrix3, Rotation3};
 use puma::ArmToml;
@@ -79,6 +83,8 @@ pub struct ArmSettings {
     pub teleop: TeleopConfig,
     /// What bounds the motion.
     pub governor: GovernorConfig,
+    /// Drives on a CAN bus.
+    pub canopen: CanopenConfig,
     /// Where the arm is; `None` where the file does not say it.
     pub port: Option<RobotAddress>,
 }
@@ -123,6 +129,8 @@ struct FileToml {
     teleop: Option<TeleopToml>,
     workspace: Option<WorkspaceToml>,
     governor: Option<GovernorToml>,
+    #[serde(default)]
+    canopen: CanopenConfig,
 }
 
 #[derive(Deserialize)]
@@ -184,6 +192,8 @@ impl ArmSettings {
         settings.teleop = file.teleop.as_ref().unwrap_or(&TeleopToml::default()).config(&workspace)?;
         settings.governor =
             file.governor.as_ref().unwrap_or(&GovernorToml::default()).config(&workspace, &settings.puma)?;
+        file.canopen.check().map_err(|error| ("[canopen]".to_owned(), error.to_string()))?;
+        settings.canopen = file.canopen.clone();
         if let Some(port) = file.slave.as_ref().and_then(|slave| slave.port.as_ref()) {
             let address = port.parse().map_err(|error| ("[slave] port".to_owned(), format!("{error}")));
             settings.port = Some(address?);

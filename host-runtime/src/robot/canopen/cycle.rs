@@ -1,0 +1,273 @@
+//! The thread that owns the bus: every period it takes what came, lets the master decide, and sends.
+//!
+//! ```text
+//! reader thread: bus --frames--> channel --> cycle thread: master --frames--> bus
+//!                                                ^   |
+//!                       enable, stop, set-point  |   v  status, positions, reason
+//!                                          port (whoever holds it)
+//! ```
+//!
+//! Deadlines are absolute: a cycle that began late makes none after it late. After one that was late
+//! by more than a period the count begins anew, so that no SYNC is sent in a hurry.
+
+use super::bus::{Bus, Receive, Transmit};
+use super::frame::Frame;
+use super::lateness::Lateness;
+use super::master::{Counters, Master};
+use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+use tetrad_core::arm::port::PortStatus;
+use tetrad_core::arm::puma560::Counts;
+
+/// How long the reader waits before it looks whether it is still wanted.
+const READ_WITHIN: Duration = Duration::from_millis(50);
+
+/// Cycles in which the drives are told to stop when the port is closed: one may go astray.
+const LAST_CYCLES: u32 = 3;
+
+/// Opens the bus, and opens it again after it was lost.
+pub type Opener = Box<dyn Fn() -> io::Result<Bus> + Send>;
+
+/// What the port asks for; the newest counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Request {
+    Enable,
+    Stop,
+}
+
+/// What port and thread tell each other.
+#[derive(Debug, Default)]
+pub(super) struct Shared {
+    pub(super) request: Option<Request>,
+    pub(super) confirm_homed: bool,
+    pub(super) set_point: Option<Counts>,
+    pub(super) status: PortStatus,
+    pub(super) reason: Option<String>,
+    /// Where the drives were when they became ready, until the port has taken it.
+    pub(super) start: Option<Counts>,
+    /// Positions, and when the oldest came.
+    pub(super) positions: Option<(Counts, Instant)>,
+    pub(super) counters: Counters,
+    pub(super) unsent: u64,
+    pub(super) lateness: Lateness,
+}
+
+/// Shared by both; nobody holds the lock while waiting for anything.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Link {
+    shared: Arc<Mutex<Shared>>,
+    ended: Arc<AtomicBool>,
+}
+
+impl Link {
+    pub(super) fn lock(&self) -> MutexGuard<'_, Shared> {
+        // plain values are never half written
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn has_ended(&self) -> bool {
+        self.ended.load(Ordering::Relaxed)
+    }
+
+    /// Tells the thread to stop the arm and end.
+    pub(super) fn end(&self) {
+        self.ended.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Starts the thread on a bus that is open.
+///
+/// # Errors
+/// The system has no thread to give.
+pub(super) fn spawn(
+    master: Master,
+    bus: Bus,
+    opener: Opener,
+    period: Duration,
+    link: &Link,
+) -> io::Result<JoinHandle<()>> {
+    let line = Line::new(bus, link)?;
+    let link = link.clone();
+    let start = Instant::now();
+    let cycle = Cycle { master, opener, line: Some(line), link, start, published: PortStatus::Disabled };
+    thread::Builder::new().name("canopen-cycle".to_owned()).spawn(move || cycle.run(period))
+}
+
+/// A bus in use.
+struct Line {
+    transmit: Box<dyn Transmit>,
+    frames: Receiver<io::Result<Frame>>,
+    reader: Option<JoinHandle<()>>,
+    wanted: Arc<AtomicBool>,
+}
+
+impl Line {
+    fn new(bus: Bus, link: &Link) -> io::Result<Self> {
+        let (sender, frames) = channel();
+        let wanted = Arc::new(AtomicBool::new(true));
+        let (receive, still_wanted, link) = (bus.receive, Arc::clone(&wanted), link.clone());
+        let read = move || read(receive, &sender, &still_wanted, &link);
+        let reader = Some(thread::Builder::new().name("canopen-read".to_owned()).spawn(read)?);
+        Ok(Self { transmit: bus.transmit, frames, reader, wanted })
+    }
+}
+
+impl Drop for Line {
+    fn drop(&mut self) {
+        self.wanted.store(false, Ordering::Relaxed);
+        if let Some(reader) = self.reader.take() {
+            // it has nothing to say but frames
+            let _ = reader.join();
+        }
+    }
+}
+
+fn read(mut receive: Box<dyn Receive>, frames: &Sender<io::Result<Frame>>, wanted: &AtomicBool, link: &Link) {
+    while wanted.load(Ordering::Relaxed) && !link.has_ended() {
+        let sent = match receive.receive(READ_WITHIN) {
+            Ok(None) => continue,
+            Ok(Some(frame)) => frames.send(Ok(frame)),
+            Err(error) => {
+                // the cycle thread lets go of the line when it sees this; if it has, nobody minds
+                let _ = frames.send(Err(error));
+                return;
+            }
+        };
+        if sent.is_err() {
+            return;
+        }
+    }
+}
+
+struct Cycle {
+    master: Master,
+    opener: Opener,
+    line: Option<Line>,
+    link: Link,
+    start: Instant,
+    published: PortStatus,
+}
+
+impl Cycle {
+    fn run(mut self, period: Duration) {
+        let mut out = Vec::new();
+        let mut deadline = Instant::now() + period;
+        let mut left = LAST_CYCLES;
+        while left > 0 {
+            self.listen_until(deadline);
+            let late = deadline.elapsed();
+            let ended = self.link.has_ended();
+            if ended {
+                self.master.stop();
+                left -= 1;
+            }
+            self.step(late, &mut out);
+            self.send(&mut out);
+            deadline = if late > period { Instant::now() + period } else { deadline + period };
+        }
+    }
+
+    fn now_us(&self) -> u64 {
+        // 584,000 years fit
+        u64::try_from(self.start.elapsed().as_micros()).unwrap_or(u64::MAX)
+    }
+
+    fn listen_until(&mut self, deadline: Instant) {
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            let Some(line) = &self.line else { return thread::sleep(left) };
+            let heard = line.frames.recv_timeout(left);
+            match heard {
+                Ok(Ok(frame)) => {
+                    let now_us = self.now_us();
+                    self.master.receive(now_us, &frame);
+                }
+                Ok(Err(error)) => self.lose(&error),
+                Err(RecvTimeoutError::Timeout) => return,
+                Err(RecvTimeoutError::Disconnected) => self.lose(&io::ErrorKind::BrokenPipe.into()),
+            }
+        }
+    }
+
+    fn lose(&mut self, error: &io::Error) {
+        self.line = None;
+        self.master.lose_bus(error.to_string());
+    }
+
+    fn step(&mut self, late: Duration, out: &mut Vec<Frame>) {
+        let now_us = self.now_us();
+        let link = self.link.clone();
+        let request = link.lock().request.take();
+        if request == Some(Request::Enable) && self.line.is_none() {
+            self.reopen();
+        }
+        let mut shared = link.lock();
+        if std::mem::take(&mut shared.confirm_homed) {
+            self.master.confirm_homed();
+        }
+        let unseen = self.master.status() != self.published
+            && matches!(self.master.status(), PortStatus::Fault(_) | PortStatus::Lost);
+        match request {
+            // what nobody can have read yet is not acknowledged
+            Some(Request::Enable) if unseen || self.line.is_none() => {}
+            Some(Request::Enable) => self.master.enable(),
+            Some(Request::Stop) => self.master.stop(),
+            None => {}
+        }
+        if let Some(counts) = shared.set_point.take() {
+            self.master.set_point(counts);
+        }
+        self.master.cycle(now_us, out);
+        self.publish(&mut shared, late);
+    }
+
+    fn publish(&mut self, shared: &mut Shared, late: Duration) {
+        let status = self.master.status();
+        if status == PortStatus::Ready && self.published != PortStatus::Ready {
+            shared.start = Some(self.master.targets());
+        }
+        if status != PortStatus::Ready {
+            shared.start = None;
+            shared.set_point = None;
+        }
+        self.published = status;
+        // what was asked for in the meantime shows until it is dealt with
+        if shared.request.is_none() {
+            shared.status = status;
+        }
+        let reason = self.master.cause().map(ToString::to_string);
+        if shared.reason != reason {
+            shared.reason = reason;
+        }
+        let at = |us| self.start + Duration::from_micros(us);
+        shared.positions = self.master.positions().map(|(counts, us)| (counts, at(us)));
+        shared.counters = self.master.counters();
+        shared.lateness.record(u64::try_from(late.as_micros()).unwrap_or(u64::MAX));
+    }
+
+    fn send(&mut self, out: &mut Vec<Frame>) {
+        if let (Some(line), false) = (&mut self.line, out.is_empty()) {
+            match line.transmit.send(out) {
+                Ok(sent) => {
+                    let unsent = out.len().saturating_sub(sent) as u64;
+                    if unsent > 0 {
+                        self.link.lock().unsent += unsent;
+                    }
+                }
+                Err(error) => self.lose(&error),
+            }
+        }
+        out.clear();
+    }
+
+    fn reopen(&mut self) {
+        match (self.opener)().and_then(|bus| Line::new(bus, &self.link)) {
+            Ok(line) => self.line = Some(line),
+            Err(error) => self.master.lose_bus(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,510 @@
+//! The master: what it makes of the frames that come, and which it sends in each cycle. It owns neither
+//! bus nor clock nor thread.
+//!
+//! ```text
+//!           open, or enable after a loss                        enable
+//!                 |                                               |
+//!             listening --> configuring --> idle (no torque) --> enabling --> running
+//!                 \_____________\______________\__________________\____________/
+//!                                              |  asked to stop, loss, fault, another master
+//!                                           stopped (quick stop) -- enable --> enabling, or listening
+//! ```
+
+use super::cause::{Cause, DriveName, Foreign};
+use super::cia402::State;
+use super::config::{CanopenConfig, CanopenConfigError, Homing};
+use super::frame::{
+    EMERGENCY, Frame, HEARTBEAT, NMT, NmtCommand, NmtState, RPDO1, SDO_ANSWER, SDO_REQUEST, SYNC, TPDO1,
+};
+use super::node::{Node, Progress};
+use tetrad_core::arm::port::PortStatus;
+use tetrad_core::arm::puma560::Counts;
+use tetrad_core::config::{JOINTS, PumaConfig};
+
+/// Between the end of the set-up and the first answer to SYNC a drive may take its time: cycles.
+const FIRST_ANSWER_CYCLES: u32 = 100;
+
+/// How far a motor may be sent in a cycle, in cycles at the joint's largest speed: a set-point that
+/// comes a cycle late and the next one then make one step of two.
+const STEP_SHARE: f64 = 1.2;
+
+/// Heartbeat byte of an operational node.
+const OPERATIONAL: u8 = 5;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Listening,
+    Configuring,
+    Idle,
+    Enabling,
+    Running,
+    Stopped,
+}
+
+/// What went over the bus and what did not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Cycles with SYNC.
+    pub cycles: u64,
+    /// Of those, the ones that not every drive answered in time.
+    pub incomplete: u64,
+    /// SDO answers that nobody waited for.
+    pub stale_answers: u64,
+    /// EMCY messages with an error in them.
+    pub emergencies: u64,
+    /// Set-points that were sent to the drives.
+    pub set_points: u64,
+}
+
+/// The master of six drives.
+#[derive(Debug)]
+pub struct Master {
+    config: CanopenConfig,
+    nodes: [Node; JOINTS],
+    phase: Phase,
+    since_us: Option<u64>,
+    cause: Option<Cause>,
+    /// Whether operation is to be enabled as soon as that can be.
+    wanted: bool,
+    /// Whether the drives were told anything since the bus was opened.
+    owning: bool,
+    /// Whether PDOs are exchanged.
+    operational: bool,
+    commands: Vec<Frame>,
+    heartbeat_us: Option<u64>,
+    set_point: Option<Counts>,
+    goal: Counts,
+    without_set_point: u32,
+    counters: Counters,
+}
+
+impl Master {
+    /// A master that has heard nothing yet.
+    ///
+    /// # Errors
+    /// [`CanopenConfigError`] for a setting that cannot be worked with.
+    pub fn new(config: &CanopenConfig, puma: &PumaConfig) -> Result<Self, CanopenConfigError> {
+        config.check()?;
+        let speeds = motor_speeds(config, puma);
+        let mut place = 0;
+        let nodes = config.nodes.map(|node| {
+            let step = (speeds[place] * config.period_s() * STEP_SHARE).ceil() as i32;
+            place += 1;
+            Node::new(config, DriveName { joint: place as u8, node }, step)
+        });
+        Ok(Self {
+            config: config.clone(),
+            nodes,
+            phase: Phase::Listening,
+            since_us: None,
+            cause: None,
+            wanted: false,
+            owning: false,
+            operational: false,
+            commands: Vec::new(),
+            heartbeat_us: None,
+            set_point: None,
+            goal: [0; JOINTS],
+            without_set_point: 0,
+            counters: Counters::default(),
+        })
+    }
+
+    // ---- what is asked of it
+
+    /// Begins to switch on; after a stop or a loss, from where that needs.
+    pub fn enable(&mut self) {
+        match self.phase {
+            Phase::Listening | Phase::Configuring | Phase::Idle => self.wanted = true,
+            Phase::Enabling | Phase::Running => {}
+            Phase::Stopped => {
+                self.cause = None;
+                if self.operational && self.nodes.iter().all(|node| node.missing == 0 && !node.restarted) {
+                    self.begin_enabling();
+                } else {
+                    self.wanted = true;
+                    self.owning = false;
+                    self.operational = false;
+                    self.enter(Phase::Listening);
+                }
+            }
+        }
+    }
+
+    /// To rest; what was not begun is not begun any more.
+    pub fn stop(&mut self) {
+        self.wanted = false;
+        if matches!(self.phase, Phase::Enabling | Phase::Running) {
+            self.halt(Cause::Asked);
+        }
+    }
+
+    /// Somebody has seen to it that every drive is homed ([`Homing::Confirm`]).
+    pub fn confirm_homed(&mut self) {
+        for node in &mut self.nodes {
+            node.confirmed = true;
+        }
+    }
+
+    /// The bus is gone; the system's words for it.
+    pub fn lose_bus(&mut self, error: String) {
+        self.operational = false;
+        self.owning = false;
+        self.cause = Some(Cause::Bus(error));
+        self.wanted = false;
+        self.enter(Phase::Stopped);
+    }
+
+    /// Where the drives are to be sent in the next cycle; takes the place of any before. Without effect
+    /// unless running.
+    pub fn set_point(&mut self, counts: Counts) {
+        if self.phase == Phase::Running {
+            self.set_point = Some(counts);
+        }
+    }
+
+    // ---- what it knows
+
+    /// How the arm stands.
+    #[must_use]
+    pub fn status(&self) -> PortStatus {
+        match (self.phase, &self.cause) {
+            (Phase::Running, _) => PortStatus::Ready,
+            (Phase::Enabling, _) => PortStatus::Enabling,
+            (Phase::Stopped, Some(cause)) => cause.status(),
+            (Phase::Idle, _) if self.not_homed().is_some() => PortStatus::NotHomed,
+            _ if self.wanted => PortStatus::Enabling,
+            _ => PortStatus::Disabled,
+        }
+    }
+
+    /// Why it was stopped.
+    #[must_use]
+    pub fn cause(&self) -> Option<&Cause> {
+        self.cause.as_ref()
+    }
+
+    /// Where the drives are, and when the oldest of these positions came.
+    #[must_use]
+    pub fn positions(&self) -> Option<(Counts, u64)> {
+        let mut counts = [0; JOINTS];
+        let mut oldest = u64::MAX;
+        for (count, node) in counts.iter_mut().zip(&self.nodes) {
+            *count = node.position?;
+            oldest = oldest.min(node.position_us);
+        }
+        Some((counts, oldest))
+    }
+
+    /// Where the drives were last sent: while they are being enabled, where they are.
+    #[must_use]
+    pub fn targets(&self) -> Counts {
+        let mut targets = [0; JOINTS];
+        for (target, node) in targets.iter_mut().zip(&self.nodes) {
+            *target = node.target;
+        }
+        targets
+    }
+
+    /// What went over the bus.
+    #[must_use]
+    pub const fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    /// The first drive whose positions are not to be trusted.
+    fn not_homed(&self) -> Option<DriveName> {
+        let lacking = |node: &&Node| match self.config.homing {
+            Homing::Absolute => false,
+            Homing::StatusBit(bit) => !node.has_status_bit(bit),
+            Homing::Confirm => !node.confirmed,
+        };
+        self.nodes.iter().find(lacking).map(|node| node.name)
+    }
+
+    // ---- what comes in
+
+    /// Takes a frame that somebody else sent.
+    pub fn receive(&mut self, now_us: u64, frame: &Frame) {
+        if let Some(foreign) = self.foreign(frame) {
+            self.consider(Cause::OtherMaster(foreign));
+            return;
+        }
+        let moving = matches!(self.phase, Phase::Enabling | Phase::Running);
+        let Some(node) = self.nodes.iter_mut().find(|node| node.name.node == frame.node()) else { return };
+        match (frame.function(), frame.data()) {
+            (TPDO1, data) if self.operational => node.feedback(now_us, data, moving),
+            (SDO_ANSWER, data) => self.counters.stale_answers += u64::from(!node.sdo_answer(data)),
+            (HEARTBEAT, &[byte]) => {
+                if let Some(state) = NmtState::of(byte) {
+                    node.heartbeat(now_us, state);
+                }
+            }
+            (EMERGENCY, &[low, high, ..]) => {
+                node.error = u16::from_le_bytes([low, high]);
+                self.counters.emergencies += u64::from(node.error != 0);
+            }
+            _ => {}
+        }
+    }
+
+    /// What only a master sends: no bus gives back our own frames.
+    fn foreign(&self, frame: &Frame) -> Option<Foreign> {
+        let node = frame.node();
+        let ours = self.nodes.iter().any(|known| known.name.node == node);
+        match frame.function() {
+            NMT if node == 0 => Some(Foreign::Nmt),
+            SYNC if node == 0 => Some(Foreign::Sync),
+            RPDO1 if ours => Some(Foreign::Target(node)),
+            SDO_REQUEST if ours => Some(Foreign::Request(node)),
+            HEARTBEAT if node == self.config.master => Some(Foreign::Heartbeat(node)),
+            _ => None,
+        }
+    }
+
+    // ---- the cycle
+
+    /// Ends the cycle that is over, decides, and gives the frames that begin the next one.
+    pub fn cycle(&mut self, now_us: u64, out: &mut Vec<Frame>) {
+        let since_us = *self.since_us.get_or_insert(now_us);
+        let in_phase_us = now_us.saturating_sub(since_us);
+        if self.operational {
+            let mut complete = true;
+            for node in &mut self.nodes {
+                complete &= node.end_cycle();
+            }
+            self.counters.incomplete += u64::from(!complete);
+            if let Some(cause) = self.judge(now_us) {
+                self.consider(cause);
+            }
+        }
+        match self.phase {
+            Phase::Listening => {
+                if in_phase_us >= u64::from(self.config.listen_ms) * 1_000 {
+                    self.begin_configuring();
+                }
+            }
+            Phase::Configuring => self.configure(),
+            Phase::Idle => self.idle(),
+            Phase::Enabling => self.enabling(in_phase_us),
+            Phase::Running => self.running(),
+            Phase::Stopped => self.stopped(),
+        }
+        self.emit(now_us, out);
+    }
+
+    fn begin_configuring(&mut self) {
+        self.owning = true;
+        self.operational = false;
+        for node in &mut self.nodes {
+            node.begin();
+            self.commands.push(NmtCommand::PreOperational.to(node.name.node));
+        }
+        self.enter(Phase::Configuring);
+    }
+
+    fn configure(&mut self) {
+        let mut done = true;
+        for node in &mut self.nodes {
+            if node.restarted {
+                // it was switched on just now: from the beginning
+                node.begin();
+            }
+            match node.configure() {
+                Ok(progress) => done &= progress == Progress::Done,
+                Err(cause) => {
+                    let cause = self.widened(cause);
+                    return self.halt(cause);
+                }
+            }
+        }
+        if done {
+            self.operational = true;
+            self.commands.extend(self.nodes.iter().map(|node| NmtCommand::Start.to(node.name.node)));
+            self.enter(Phase::Idle);
+        }
+    }
+
+    /// That one drive is silent, or that all are.
+    fn widened(&self, cause: Cause) -> Cause {
+        let unheard = |node: &Node| match self.operational {
+            // in the cycle in which a bus is cut some drives have answered and some have not
+            true => node.missing > 0 && node.missing + 1 >= self.patience(),
+            false => node.nmt.is_none(),
+        };
+        match cause {
+            Cause::Silent(_) if self.nodes.iter().all(unheard) => Cause::AllSilent,
+            cause => cause,
+        }
+    }
+
+    /// Cycles that a drive may go without an answer.
+    fn patience(&self) -> u32 {
+        match self.phase {
+            Phase::Enabling | Phase::Running | Phase::Stopped => self.config.missing_cycles,
+            _ => self.config.missing_cycles.max(FIRST_ANSWER_CYCLES),
+        }
+    }
+
+    /// The worst that can be told from what was heard.
+    fn judge(&self, now_us: u64) -> Option<Cause> {
+        let timeout_us = u64::from(self.config.heartbeat_timeout_ms) * 1_000;
+        let patience = self.patience();
+        if let Some(fault) = self.nodes.iter().find(|node| {
+            node.state().is_some_and(State::is_fault)
+                && !(self.phase == Phase::Enabling && node.is_resetting())
+        }) {
+            return Some(Cause::Fault(fault.name, fault.error));
+        }
+        if let Some(cause) = self.nodes.iter().find_map(|node| node.complaint(now_us, timeout_us, patience)) {
+            return Some(self.widened(cause));
+        }
+        if !matches!(self.phase, Phase::Enabling | Phase::Running) {
+            return None;
+        }
+        for node in &self.nodes {
+            if let Some(state @ (NmtState::PreOperational | NmtState::Stopped)) = node.nmt {
+                return Some(Cause::NotOperational(node.name, state));
+            }
+            if let (Phase::Running, Some(state)) = (self.phase, node.state())
+                && state != State::OperationEnabled
+            {
+                return Some(Cause::LeftOperation(node.name, state));
+            }
+        }
+        self.not_homed().map(Cause::HomingLost)
+    }
+
+    fn idle(&mut self) {
+        for node in &mut self.nodes {
+            node.tell_idle();
+        }
+        if self.nodes.iter().any(|node| node.position.is_none()) {
+            return;
+        }
+        if self.not_homed().is_some() {
+            // power comes on when somebody asks for it, not when homing happens to end
+            self.wanted = false;
+        } else if self.wanted {
+            self.begin_enabling();
+        }
+    }
+
+    fn begin_enabling(&mut self) {
+        self.wanted = false;
+        if let Some(drive) = self.not_homed() {
+            self.cause = Some(Cause::HomingLost(drive));
+            return;
+        }
+        for node in &mut self.nodes {
+            node.begin_reset();
+        }
+        self.enter(Phase::Enabling);
+    }
+
+    fn enabling(&mut self, in_phase_us: u64) {
+        let allowed_us = u64::from(self.config.enable_timeout_ms) * 1_000;
+        let patient = in_phase_us < allowed_us / 2;
+        for node in &mut self.nodes {
+            node.tell_enable(patient);
+        }
+        match self.nodes.iter().find(|node| node.state() != Some(State::OperationEnabled)) {
+            None => {
+                self.set_point = None;
+                self.goal = self.targets();
+                self.without_set_point = 0;
+                self.enter(Phase::Running);
+            }
+            Some(node) if in_phase_us >= allowed_us => {
+                let cause = Cause::Stuck(node.name, node.state().unwrap_or(State::NotReady));
+                self.halt(cause);
+            }
+            Some(_) => {}
+        }
+    }
+
+    fn running(&mut self) {
+        match self.set_point.take() {
+            Some(goal) => {
+                self.goal = goal;
+                self.without_set_point = 0;
+                self.counters.set_points += 1;
+            }
+            None => self.without_set_point += 1,
+        }
+        if self.without_set_point > self.config.watchdog_cycles {
+            let ms = self.config.watchdog_cycles * (self.config.period_us / 1_000);
+            return self.halt(Cause::NoSetPoint(ms));
+        }
+        for (node, goal) in self.nodes.iter_mut().zip(self.goal) {
+            node.tell_target(goal);
+        }
+    }
+
+    fn stopped(&mut self) {
+        for node in &mut self.nodes {
+            node.tell_stop();
+        }
+        if let Some(Cause::Fault(name, code)) = &mut self.cause
+            && *code == 0
+            && let Some(node) = self.nodes.iter_mut().find(|node| node.name == *name)
+        {
+            node.learn_error();
+            *code = node.error;
+        }
+    }
+
+    /// Stops for `cause`, unless it is stopped for something that weighs as much.
+    fn consider(&mut self, cause: Cause) {
+        let standing = self.cause.as_ref().filter(|_| self.phase == Phase::Stopped);
+        if standing.is_none_or(|standing| standing.is_benign() && !cause.is_benign()) {
+            self.halt(cause);
+        }
+    }
+
+    fn halt(&mut self, cause: Cause) {
+        self.cause = Some(cause);
+        self.wanted = false;
+        self.set_point = None;
+        self.enter(Phase::Stopped);
+        self.stopped();
+    }
+
+    fn enter(&mut self, phase: Phase) {
+        self.phase = phase;
+        self.since_us = None;
+    }
+
+    fn emit(&mut self, now_us: u64, out: &mut Vec<Frame>) {
+        if !self.owning {
+            return;
+        }
+        out.append(&mut self.commands);
+        let every_us = u64::from(self.config.heartbeat_ms) * 1_000;
+        if self.heartbeat_us.is_none_or(|last| now_us.saturating_sub(last) >= every_us) {
+            self.heartbeat_us = Some(now_us);
+            out.push(Frame::of(HEARTBEAT, self.config.master, [OPERATIONAL]));
+        }
+        if self.operational {
+            out.extend(self.nodes.iter().map(Node::command));
+            out.push(Frame::of(SYNC, 0, []));
+            self.counters.cycles += 1;
+        }
+        // what is not urgent comes after SYNC
+        out.extend(self.nodes.iter_mut().filter_map(|node| node.sdo_request(now_us)));
+    }
+}
+
+/// The largest speed of each motor, counts per second: that of its joint, and what the earlier motors
+/// turn of it, to be made up for.
+fn motor_speeds(config: &CanopenConfig, puma: &PumaConfig) -> [f64; JOINTS] {
+    let mut speeds = [0.0f64; JOINTS];
+    for (place, (row, joint)) in config.coupling.iter().zip(&puma.joints).enumerate() {
+        let carried: f64 = row.iter().zip(&speeds).map(|(share, speed)| share.abs() * speed).sum();
+        speeds[place] = joint.max_speed_rad_s + carried;
+    }
+    for (speed, counts) in speeds.iter_mut().zip(&config.counts_per_rad) {
+        *speed *= counts.abs();
+    }
+    speeds
+}

@@ -1,0 +1,10 @@
+//! Promise: six CiA 402 drives are brought to operation without a jump, follow every set-point, and are
+//! brought to rest, with the reason, whatever fails.
+
+mod bench;
+
+mod drive;
+
+mod bringing_up;
+
+mod failing;
