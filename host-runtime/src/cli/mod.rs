@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand. Commands print results; errors go up to `main`.
 
+mod arm;
 mod demo;
 pub mod devices;
 mod evaluate;
@@ -38,6 +39,9 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// The arm's kinematics, CSV in and CSV out
+    #[command(after_help = arm::EXAMPLES)]
+    Arm(arm::ArmArgs),
     /// Simulated cameras and hand: learn, track and compare with the truth
     #[command(after_help = demo::EXAMPLES)]
     Demo(demo::DemoArgs),
@@ -61,6 +65,7 @@ enum Command {
 /// [`Failure`] with the exit code and the message to print.
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
+        Command::Arm(args) => arm::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Devices => devices::run(),
         Command::Evaluate(args) => evaluate::run(&args),

@@ -2,9 +2,9 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use std::fs::{self, File};
-use std::io::BufWriter;
+use std::io::{BufWriter, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use tetrad_core::observation::Ball;
 use tetrad_fixtures::Scene;
 
@@ -40,12 +40,24 @@ impl Ran {
 /// Runs `tetrad` in `dir` with these words as arguments.
 #[track_caller]
 pub(crate) fn tetrad(dir: &Path, arguments: &str) -> Ran {
-    let output: Output = Command::new(env!("CARGO_BIN_EXE_tetrad"))
-        .args(arguments.split_whitespace())
-        .current_dir(dir)
-        .stdin(std::process::Stdio::null())
-        .output()
-        .expect("the program starts");
+    ended(command(arguments).current_dir(dir).stdin(Stdio::null()).output().expect("the program starts"))
+}
+
+/// Runs `tetrad` with these words as arguments and this text on its standard input.
+#[track_caller]
+pub(crate) fn tetrad_with_input(arguments: &str, input: &[u8]) -> Ran {
+    let mut file = tempfile::tempfile().expect("a file");
+    file.write_all(input).and_then(|()| file.rewind()).expect("the input is written");
+    ended(command(arguments).stdin(file).output().expect("the program starts"))
+}
+
+pub(crate) fn command(arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tetrad"));
+    command.args(arguments.split_whitespace());
+    command
+}
+
+fn ended(output: Output) -> Ran {
     Ran {
         code: output.status.code(),
         stdout: String::from_utf8(output.stdout).expect("stdout is text"),
