@@ -7,6 +7,7 @@ mod evaluate;
 mod interrupt;
 mod learn;
 mod progress;
+mod slave;
 mod track;
 
 use crate::exit::{Exit, Failure, OrExit as _};
@@ -54,6 +55,9 @@ enum Command {
     /// Teach the balls' colours as one camera sees them
     #[command(after_help = learn::EXAMPLES)]
     Learn(learn::LearnArgs),
+    /// Drive an arm by what `tetrad track --packets` sends
+    #[command(after_help = slave::EXAMPLES)]
+    Slave(slave::SlaveArgs),
     /// Track the balls in one or two cameras and write what was seen
     #[command(after_help = track::EXAMPLES)]
     Track(TrackArgs),
@@ -70,6 +74,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Devices => devices::run(),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Learn(args) => learn::run(&args),
+        Command::Slave(args) => slave::run(&args),
         Command::Track(args) => track::run(args),
     }?;
     printed()
