@@ -15,7 +15,7 @@ use super::interrupt::Interrupt;
 use super::{make_dir, note, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::output::ArmCsv;
-use crate::robot::{self, RobotAddress};
+use crate::robot::{self, RobotAddress, RobotError};
 use crate::settings::arm::ArmSettings;
 use crate::station::{Cycle, EnableThenReset, SlaveStation};
 use clap::{Args, ValueEnum};
@@ -111,7 +111,7 @@ pub(super) fn run(args: &SlaveArgs) -> Result<(), Failure> {
         None => None,
     };
     let packets = Packets::open(&origin(&args.packets))?;
-    let port = robot::open(&address, &settings.puma).or_exit(Exit::DeviceLost)?;
+    let port = robot::open(&address, &settings.puma, &settings.canopen).map_err(not_opened)?;
     let config = SlaveConfig {
         puma: settings.puma,
         teleop: settings.teleop,
@@ -140,6 +140,9 @@ pub(super) fn run(args: &SlaveArgs) -> Result<(), Failure> {
         worst: None,
     };
     run.print(&format!("arm at {address}; {}", run.usage()));
+    if let Some(notice) = run.station.robot().notice() {
+        run.print(&notice);
+    }
     let ended = run.all(seconds.map(|seconds| began + seconds), &interrupt);
     let Run { station, packets, worst, keyboard, .. } = run;
     // the terminal is itself again before the results
@@ -164,6 +167,14 @@ fn settings(args: &SlaveArgs) -> Result<ArmSettings, Failure> {
 
 fn origin(packets: &str) -> Origin {
     if packets == "-" { Origin::Pipe } else { Origin::File(PathBuf::from(packets)) }
+}
+
+fn not_opened(error: RobotError) -> Failure {
+    let exit = match error {
+        RobotError::Config(_) | RobotError::Option { .. } => Exit::BadArguments,
+        RobotError::Open { .. } => Exit::DeviceLost,
+    };
+    Failure::new(exit, error)
 }
 
 fn no_keyboard(cause: std::io::Error) -> Failure {
