@@ -20,7 +20,9 @@ pub use drives::{DriveConfig, DrivesConfig, DrivesConfigError};
 pub use filter::{
     FilterConfig, FilterConfigError, MAX_COAST_US, MAX_LEAD_US, OneEuroConfig, Prediction, Smoothing,
 };
-pub use governor::{AllowedPassages, GovernorConfig, GovernorConfigError, SlowedByUncertainty};
+pub use governor::{
+    AllowedPassages, DRIVEN_RAD_S2, GovernorConfig, GovernorConfigError, SlowedByUncertainty,
+};
 pub use hand::{HandConfig, MAX_ARM_M, MIN_ARM_M, PoseConfig};
 pub use learn::{LearnConfig, ProposeConfig};
 pub use slave::{SlaveConfig, SlaveConfigError};

@@ -14,7 +14,7 @@ const MAX_WORKSPACE_M: f64 = 100.0;
 
 /// Accelerations at which the joints of a PUMA 560 are still driven, rad/s^2: torque left beside
 /// gravity over inertia, the least of 600 random poses. No published limit was found.
-const DRIVEN_RAD_S2: [f64; JOINTS] = [19.0, 27.0, 86.0, 125.0, 117.0, 110.0];
+pub const DRIVEN_RAD_S2: [f64; JOINTS] = [19.0, 27.0, 86.0, 125.0, 117.0, 110.0];
 
 /// How much of [`DRIVEN_RAD_S2`] is used: inertia and friction of an arm that is held together by
 /// forty years of repairs are not known any better.

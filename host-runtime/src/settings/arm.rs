@@ -1,60 +1,15 @@
 //! `tetrad.toml`: the arm, the slave's law, its limits and the port.
 //!
-//! ```toml
-//! [slave]
-//! port = "sim:"                 # see `tetrad slave --help`
+//! | table | what |
+//! |---|---|
+//! | `[slave]` | the port: where the arm is |
+//! | `[arm]` | lengths, ranges, speeds, the tool |
+//! | `[teleop]` | the slave's law |
+//! | `[workspace]` | where the tool may be, for the law and the governor |
+//! | `[governor]` | what bounds the motion |
+//! | `[canopen]` | drives on a CAN bus ([`CanopenConfig`]) |
 //!
-//! [arm]                         # a PUMA 560; every key may be left out
-//! base_mm = 671.83              # d1
-//! upper_arm_mm = 431.8          # a2
-//! offset_mm = 150.05            # d3
-//! elbow_mm = 20.3               # a3
-//! forearm_mm = 431.8            # d4
-//! min_deg = [-160, -45, -225, -110, -100, -266]
-//! max_deg = [160, 225, 45, 170, 100, 266]
-//! max_speed_deg_s = [110, 86.5, 137.5, 306, 291.6, 328.9]
-//! tool_mm = [0, 0, 56.25]       # from the wrist centre, in the axes of the last link
-//! tool_rpy_deg = [0, 0, 0]      # about its fixed x, then y, then z
-//!
-//! [teleop]
-//! mode = "since-engage"         # or "paper"
-//! scale = 1.0                   # metres of the tool for a metre of the hand
-//! turn_scale = 1.0
-//! lock_turns = false            # true: the tool keeps its orientation
-//! robot_from_hand = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]   # its rows
-//! robot_from_hand_rpy_deg = [0, 0, 0]                   # or as angles; not both
-//! max_lead_mm = 250
-//! max_lead_deg = 57.3
-//! command_timeout_ms = 100
-//! hold_to_run_timeout_ms = 200
-//! predicted_ms = 200
-//! resume_ms = 500
-//!
-//! [workspace]                   # where the tool may be, in the axes of the base
-//! min_mm = [-950, -950, 0]
-//! max_mm = [950, 950, 1600]
-//!
-//! [governor]
-//! speed_share = 0.9             # of max_speed_deg_s
-//! max_acceleration_deg_s2 = [326.6, 464.1, 1478.2, 2148.6, 2011.1, 1890.8]
-//! max_jerk_deg_s3 = [3266, 4641, 14782, 21486, 20111, 18908]
-//! max_tool_speed_mm_s = 500
-//! response_per_s = 8            # the arm follows 1/8 s behind
-//! limit_margin_deg = 5.73       # slower from here to a joint's limit
-//! max_outside_deg = 5.73        # so far beyond it the arm may start
-//! singularity_margin = 0.15
-//! creep_share = 0.1             # what slowing leaves of the speed
-//! pass_wrist = true             # through which singularities the arm may pass
-//! pass_elbow = false
-//! pass_shoulder = false
-//! full_speed_to_mm = 5          # how well the hand is known: up to here at full speed,
-//! creep_from_mm = 30            # from here on at a creep
-//! full_speed_to_deg = 2.86
-//! creep_from_deg = 17.2
-//!
-//! [canopen]                     # drives on a CAN bus: docs/canopen.md lists the keys
-//! nodes = [1, 2, 3, 4, 5, 6]
-//! ```
+//! docs/arm.md lists every key with its default. Units stand in the names of the keys.
 //!
 //! Parsing is strict: an unknown key, a value of another kind or out of range is an error that names
 //! the file and the key.

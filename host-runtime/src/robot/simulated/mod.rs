@@ -16,7 +16,7 @@ mod plant;
 mod switch;
 
 pub use options::{SimulatedOptions, TimedFault};
-pub use plant::{MOTOR_ACCELERATION_RAD_S2, Plant, PlantError};
+pub use plant::{Plant, PlantError};
 
 use super::Robot;
 use super::clock::Clock;

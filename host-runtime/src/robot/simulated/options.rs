@@ -1,12 +1,19 @@
 //! What the simulated arm can be told behind `sim:?`.
 
 use crate::robot::query::Query;
+use std::ops::RangeInclusive;
 use tetrad_core::arm::port::{JointNumber, PortFault};
 use tetrad_core::arm::puma560::Joints;
 use tetrad_core::config::JOINTS;
 
 /// What a fault is called when nothing else is said: CiA 402's following error.
 const FOLLOWING_ERROR: u32 = 0x8611;
+
+/// Lags that a servo may have, milliseconds. Computed by the millisecond, a quicker one would not be.
+pub(super) const LAG_MS: RangeInclusive<f64> = 10.0..=500.0;
+
+/// By how much joints may tremble, counts.
+pub(super) const NOISE_COUNTS: RangeInclusive<f64> = 0.0..=100.0;
 
 /// A fault that happens by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,13 +84,13 @@ impl SimulatedOptions {
         if let Some(noise) = query.take("noise") {
             options.noise_counts = match noise.parse() {
                 _ if noise == "off" => 0.0,
-                Ok(counts) if (0.0..=100.0).contains(&counts) => counts,
+                Ok(counts) if NOISE_COUNTS.contains(&counts) => counts,
                 _ => {
                     return Err(format!("'noise={noise}': 'off' or a number from 0 to 100 counts is needed"));
                 }
             };
         }
-        if let Some(ms) = query.number("lag_ms", "ms", 10.0..=500.0)? {
+        if let Some(ms) = query.number("lag_ms", "ms", LAG_MS)? {
             options.lag_s = ms / 1000.0;
         }
         for (key, range, value) in [

@@ -6,17 +6,15 @@
 //! time, whatever the steps of whoever asks: the same set-points at the same times give the same
 //! motion, bit for bit.
 
-use super::options::SimulatedOptions;
+use super::options::{LAG_MS, NOISE_COUNTS, SimulatedOptions};
 use crate::robot::start::start_joints;
 use rand_pcg::{Pcg32, rand_core::Rng as _};
 use tetrad_core::arm::puma560::{Drives, Joints};
-use tetrad_core::config::{DrivesConfig, DrivesConfigError, JOINTS, PumaConfig, PumaConfigError};
+use tetrad_core::config::{
+    DRIVEN_RAD_S2, DrivesConfig, DrivesConfigError, JOINTS, PumaConfig, PumaConfigError,
+};
 
-/// What the motors can do to the joints, rad/s^2, from base to wrist: published torques less gravity
-/// over published inertias, the least over 600 poses. No maker's figure is known.
-pub const MOTOR_ACCELERATION_RAD_S2: Joints<f64> = [19.0, 27.0, 86.0, 125.0, 117.0, 110.0];
-
-/// The share of it that the arm is slowed down with when it is stopped: what limits take by default.
+/// The share of what the motors can do ([`DRIVEN_RAD_S2`]) that the arm is slowed down with when it is stopped: what limits take by default.
 const STOP_SHARE: f64 = 0.3;
 
 /// The servo's own cycle, microseconds.
@@ -59,6 +57,9 @@ pub enum PlantError {
     /// The encoders' settings cannot be worked with.
     #[error(transparent)]
     Drives(#[from] DrivesConfigError),
+    /// An option that no such arm has.
+    #[error("the lag must be from 10 to 500 ms, the noise from 0 to 100 counts, the cycle above 0")]
+    Options,
     /// It would start out of a joint's range.
     #[error("start_deg: joint {joint} can be from {least_deg:.1} to {most_deg:.1} degrees")]
     Start {
@@ -94,6 +95,11 @@ impl Plant {
     /// [`PlantError`] for an arm that cannot be, or that would start out of its ranges.
     pub fn new(puma: &PumaConfig, options: &SimulatedOptions) -> Result<Self, PlantError> {
         puma.check()?;
+        if !(LAG_MS.contains(&(options.lag_s * 1000.0)) && NOISE_COUNTS.contains(&options.noise_counts))
+            || options.cycle_us == 0
+        {
+            return Err(PlantError::Options);
+        }
         let encoders = Drives::new(&DrivesConfig::default())?;
         let start = options.start.unwrap_or_else(|| start_joints(puma));
         for (number, (joint, angle)) in (1..).zip(puma.joints.iter().zip(&start)) {
@@ -113,7 +119,7 @@ impl Plant {
             angle: start[place],
             speed: 0.0,
             max_speed: puma.joints[place].max_speed_rad_s,
-            max_acceleration: MOTOR_ACCELERATION_RAD_S2[place],
+            max_acceleration: DRIVEN_RAD_S2[place],
             shake: options.noise_counts * resolution[place] / tremble,
         };
         Ok(Self {

@@ -1,5 +1,5 @@
 use super::*;
-use tetrad_core::config::JOINTS;
+use tetrad_core::config::{DRIVEN_RAD_S2, JOINTS};
 
 const CYCLE_US: u64 = 10_000;
 
@@ -167,7 +167,7 @@ fn motors_are_never_asked_for_more_than_they_have() {
         for (place, joint) in puma.joints.iter().enumerate() {
             let (speed, angle) = (plant.speeds()[place], plant.joints()[place]);
             assert!(speed.abs() <= joint.max_speed_rad_s + 1e-12);
-            assert!((speed - speeds[place]).abs() <= MOTOR_ACCELERATION_RAD_S2[place] * 1e-3 + 1e-12);
+            assert!((speed - speeds[place]).abs() <= DRIVEN_RAD_S2[place] * 1e-3 + 1e-12);
             assert!((angle - angles[place]).abs() <= joint.max_speed_rad_s * 1e-3 + 1e-12);
             fastest[place] = fastest[place].max(speed.abs() / joint.max_speed_rad_s);
         }
@@ -307,4 +307,18 @@ fn a_stop_is_obeyed_in_every_status_and_may_be_repeated() {
     bench.arm.stop().unwrap();
     bench.wait_us(1_000_000);
     assert_eq!(bench.arm.status(), PortStatus::Stopped);
+}
+
+#[test]
+fn an_arm_that_cannot_be_is_refused() {
+    let refused = |change: fn(&mut SimulatedOptions)| {
+        let mut options = SimulatedOptions::default();
+        change(&mut options);
+        Plant::new(&PumaConfig::default(), &options).unwrap_err()
+    };
+    assert_eq!(refused(|options| options.lag_s = 0.0), PlantError::Options);
+    assert_eq!(refused(|options| options.noise_counts = f64::NAN), PlantError::Options);
+    assert_eq!(refused(|options| options.cycle_us = 0), PlantError::Options);
+    let out = refused(|options| options.start = Some([0.0, 0.0, 0.0, f64::NAN, 0.0, 0.0]));
+    assert!(matches!(out, PlantError::Start { joint: 4, .. }), "{out:?}");
 }

@@ -13,15 +13,11 @@ fn refused(text: &str, message: &str) {
     assert!(error.starts_with("tetrad.toml: "), "{error}");
 }
 
-/// The example of the module's documentation, without one of the two keys that exclude each other.
+/// The example of docs/arm.md.
 fn documented() -> String {
-    let lines = include_str!("../arm.rs").lines().map_while(|line| line.strip_prefix("//!"));
-    let block = lines.skip_while(|line| !line.contains("```toml")).skip(1);
-    block
-        .take_while(|line| !line.contains("```"))
-        .filter(|line| !line.contains("robot_from_hand_rpy_deg"))
-        .map(|line| format!("{line}\n"))
-        .collect()
+    let document = include_str!("../../../../docs/arm.md");
+    let (_, example) = document.split_once("```toml\n").unwrap();
+    example.split_once("```").unwrap().0.to_owned()
 }
 
 #[test]
