@@ -13,6 +13,7 @@ mod count;
 mod fuzz;
 mod no_panic;
 mod packages;
+mod peers;
 mod program;
 mod style;
 mod suite;
@@ -45,6 +46,12 @@ pub const CHECKS: &[Check] = &[
         protects: "the documentation builds and its links lead somewhere",
         quick: true,
         run: style::doc,
+    },
+    Check {
+        name: "peers",
+        protects: "what others wrote and tests talk to is there: PyPI canopen",
+        quick: true,
+        run: peers::install,
     },
     Check {
         name: "test",

@@ -184,9 +184,10 @@ impl Drive {
             self.lost_master = true;
             self.go(Status::QuickStop);
         }
-        if self.lost_master && self.status == Status::QuickStop {
-            // no SYNC comes any more to brake by
+        if self.status != Status::OperationEnabled {
+            // it brakes by itself, SYNC or not
             self.velocity /= 2;
+            self.set(0x6064, 0, (self.position() + self.velocity).cast_unsigned());
         }
         if self.faults.safe_torque_off && !matches!(self.status, Status::Fault) {
             self.go(Status::SwitchOnDisabled);
@@ -297,11 +298,8 @@ impl Drive {
             let target = self.get(0x607A, 0).cast_signed();
             self.targets.push(target);
             self.velocity = target - self.position();
-        } else {
-            self.velocity /= 2;
+            self.set(0x6064, 0, target.cast_unsigned());
         }
-        let position = self.position() + self.velocity;
-        self.set(0x6064, 0, position.cast_unsigned());
     }
 
     fn sdo(&mut self, data: &[u8]) -> [u8; 8] {

@@ -8,3 +8,11 @@ mod drive;
 mod bringing_up;
 
 mod failing;
+
+#[cfg(target_os = "linux")]
+mod hub;
+
+#[cfg(target_os = "linux")]
+mod peers;
+
+mod port;
