@@ -144,7 +144,7 @@ impl<T: Real> Axis<T> {
 
     /// Whether the speed stays bounded and the joint in its span if it is stopped from here on.
     pub(super) fn is_safe(&self, bounds: &Bounds<T>, span: Span<T>) -> bool {
-        let peak = self.speed + bounds.still_to_come(self.acceleration);
+        let peak = self.peak_speed(bounds);
         // written so that NaN is not safe
         let slow = peak.abs() <= bounds.speed && self.speed.abs() <= bounds.speed;
         slow && (self.is_far_from_ends(bounds, span) || self.stops_within(bounds, span))
@@ -159,6 +159,11 @@ impl<T: Real> Axis<T> {
         let time = turning + fastest / bounds.acceleration + build_up + bounds.cycle * T::of(4.0);
         let way = fastest * time;
         self.angle - way >= span.min && self.angle + way <= span.max
+    }
+
+    /// The speed that it comes to when its acceleration is taken away as fast as jerk allows.
+    pub(super) fn peak_speed(&self, bounds: &Bounds<T>) -> T {
+        self.speed + bounds.still_to_come(self.acceleration)
     }
 
     fn stops_within(&self, bounds: &Bounds<T>, span: Span<T>) -> bool {

@@ -37,9 +37,9 @@ mod pace;
 
 pub use limits::{JointNumber, Limit, Limits};
 
-use super::puma560::{Change, ChangeKind, Jacobian, JointSet, Joints, Puma560, Recent};
+use super::puma560::{Change, ChangeKind, Configuration, Jacobian, JointSet, Joints, Puma560, Recent};
 use super::teleop::{Order, Uncertainty};
-use crate::config::{GovernorConfig, GovernorConfigError, JOINTS};
+use crate::config::{AllowedPassages, GovernorConfig, GovernorConfigError, JOINTS};
 use crate::geometry::Pose;
 use crate::real::Real;
 use axis::{Axis, Bounds, Span};
@@ -69,6 +69,10 @@ const NEAREST_SLACKS: f64 = 10.0;
 const STALLED_SHARE: f64 = 0.02;
 const STALLED_CYCLES: u16 = 100;
 
+/// How long the arm is kept from a goal before it goes back to the posture in which it was started,
+/// microseconds: time enough to read what is told and to move back oneself.
+const TURN_BACK_US: u64 = 1_000_000;
+
 /// What became of the goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -96,8 +100,8 @@ pub struct Governed<T> {
     /// How fast the tool is asked to be, beside how fast it might be if only its own speed limited
     /// it; 0 while stopping.
     pub speed_share: T,
-    /// The posture changed in this cycle: through a singularity, or because the wrist was turned over
-    /// on the way by the joints ([`ChangeKind::Jump`]; the joints do not jump, they go there).
+    /// The posture changed in this cycle: the joints went through a singularity on the straight way, or
+    /// on the way by the joints ([`ChangeKind::Jump`]; even then they go there within all limits).
     pub change: Option<Change>,
     /// Every joint is told to be where it was told to be before.
     pub at_rest: bool,
@@ -143,7 +147,17 @@ pub struct Governor<T> {
     axes: [Axis<T>; JOINTS],
     recent: Recent<T>,
     pose: Pose<T>,
+    /// The posture that is kept. What passed a singularity by a little because it could not stop in
+    /// time comes back to it.
+    posture: Configuration,
+    /// The one in which the arm was started.
+    first_posture: Configuration,
     by_joints: bool,
+    /// The goal was not to be reached, and the arm is not at one yet: off the way that it was asked
+    /// to go, where a passage might lead to where there is no way back from.
+    barred: bool,
+    /// Cycles for which it has been so.
+    barred_cycles: u32,
     stalled: u16,
 }
 
@@ -174,7 +188,7 @@ impl<T: Real> Governor<T> {
         let middle = ranges.map(|range| (range.min + range.max) * T::of(0.5));
         Ok(Self {
             config: *config,
-            ways: Ways::new(arm, T::of(config.max_tool_speed_m_s), cycle, config.passages),
+            ways: Ways::new(arm, T::of(config.max_tool_speed_m_s), cycle),
             pace: Pace::new(config, response),
             edges: Bounded::new(arm, &config.workspace),
             bounds,
@@ -183,7 +197,11 @@ impl<T: Real> Governor<T> {
             axes: middle.map(Axis::at),
             recent: Recent::at_rest(arm, &middle),
             pose: arm.forward(&middle),
+            posture: arm.configuration(&middle),
+            first_posture: arm.configuration(&middle),
             by_joints: false,
+            barred: false,
+            barred_cycles: 0,
             stalled: 0,
         })
     }
@@ -232,7 +250,11 @@ impl<T: Real> Governor<T> {
         self.axes = joints.map(Axis::at);
         self.recent = Recent::at_rest(&self.ways.arm, joints);
         self.pose = self.ways.arm.forward(joints);
+        self.posture = self.recent.configuration();
+        self.first_posture = self.posture;
         self.by_joints = false;
+        self.barred = false;
+        self.barred_cycles = 0;
         self.stalled = 0;
         Ok(())
     }
@@ -289,6 +311,7 @@ impl<T: Real> Governor<T> {
     fn follow(&mut self, goal: &Pose<T>, uncertainty: Option<&Uncertainty<T>>, limits: &mut Limits) -> T {
         if self.axes.iter().all(Axis::is_at_rest) && is_same(goal, &self.pose) {
             self.by_joints = false;
+            self.barred = false;
             return T::one();
         }
         let joints = self.set_point();
@@ -301,19 +324,27 @@ impl<T: Real> Governor<T> {
         let ends_here = way.to_the_end || way.kind == Kind::AsNearAsItGoes;
         if ends_here && way.left.iter().all(|left| left.abs() <= arrived) {
             self.stop();
+            self.watch(&way, T::one());
+            self.turn_back(goal);
             return T::one();
+        }
+        let mut bound_for = joints;
+        for (speed, (axis, bounds)) in bound_for.iter_mut().zip(self.axes.iter().zip(&self.bounds)) {
+            *speed = axis.peak_speed(bounds);
         }
         let stance = Stance {
             arm: &self.ways.arm,
             joints: &joints,
             place: &self.pose.translation,
             jacobian: &jacobian,
+            bound_for: &bound_for,
             bounds: &self.bounds,
             ranges: &self.ranges,
             edges: &self.edges,
         };
         let paced = self.pace.along(&way, &stance, uncertainty, limits);
         self.watch(&way, paced.share);
+        self.turn_back(goal);
         self.turn_to(&paced.speeds);
         paced.share
     }
@@ -325,9 +356,16 @@ impl<T: Real> Governor<T> {
             jacobian,
             spans: &self.spans,
             goal,
+            posture: self.posture,
+            passages: self.passages(),
             by_joints: self.by_joints,
         };
         self.ways.choose(&situation, limits)
+    }
+
+    fn passages(&self) -> AllowedPassages {
+        let none = AllowedPassages { wrist: false, elbow: false, shoulder: false };
+        if self.barred { none } else { self.config.passages }
     }
 
     /// Keeps to the joints' way until it is at its end, and takes it up where the straight one hardly
@@ -335,23 +373,47 @@ impl<T: Real> Governor<T> {
     fn watch(&mut self, way: &Way<T>, share: T) {
         let crawls = way.kind == Kind::Straight && !way.to_the_end && share < T::of(STALLED_SHARE);
         self.stalled = if crawls { self.stalled.saturating_add(1) } else { 0 };
+        self.barred = way.kind == Kind::AsNearAsItGoes || self.barred && !way.to_the_end;
         self.by_joints = way.kind == Kind::ByJoints && !way.to_the_end || self.stalled >= STALLED_CYCLES;
     }
 
-    /// One cycle from the speeds that are towards those that are asked.
+    /// Where the arm has passed a singularity and now has been kept from the goal for a while, though
+    /// in the posture in which it was started it could go there: back to that posture, by the joints.
+    /// Without it, who went out through the singularity and back beside it would not come home.
+    fn turn_back(&mut self, goal: &Pose<T>) {
+        self.barred_cycles = if self.barred { self.barred_cycles.saturating_add(1) } else { 0 };
+        let waited_us = u64::from(self.barred_cycles) * u64::from(self.config.cycle_us);
+        if waited_us >= TURN_BACK_US
+            && self.posture != self.first_posture
+            && self.ways.solution(goal, &self.recent, self.posture).is_none()
+            && self.ways.solution(goal, &self.recent, self.first_posture).is_some()
+        {
+            self.posture = self.first_posture;
+            self.by_joints = true;
+        }
+    }
+
+    /// One cycle from the speeds that are towards those that are asked. One factor for the
+    /// accelerations of all joints, and one for what changes of them: the speeds come to what is asked
+    /// straight, so that the tool does not swing out while one joint waits for another.
     fn turn_to(&mut self, speeds: &Joints<T>) {
-        let response = self.pace.response * T::of(SPEED_RESPONSE);
         let mut wishes = *speeds;
-        let mut most = T::one();
+        let mut factor = self.pace.response * T::of(SPEED_RESPONSE);
         for ((wish, axis), bounds) in wishes.iter_mut().zip(&self.axes).zip(&self.bounds) {
-            let change = *wish - axis.speed;
-            let landing = bounds.landing(change).abs();
-            *wish = (change * response).min(landing).max(-landing);
-            most = most.max(wish.abs() / bounds.acceleration);
+            *wish -= axis.speed;
+            let most = bounds.landing(*wish).abs().min(bounds.acceleration);
+            if wish.abs() * factor > most {
+                factor = most / wish.abs();
+            }
+        }
+        let mut jerk = T::one();
+        for ((wish, axis), bounds) in wishes.iter_mut().zip(&self.axes).zip(&self.bounds) {
+            *wish = *wish * factor - axis.acceleration;
+            jerk = jerk.max(wish.abs() / bounds.jerk_cycle);
         }
         let joints = self.axes.iter_mut().zip(&self.bounds).zip(&self.spans);
-        for (wish, ((axis, bounds), span)) in wishes.iter().zip(joints) {
-            *axis = axis.stepped(*wish / most, bounds, *span);
+        for (change, ((axis, bounds), span)) in wishes.iter().zip(joints) {
+            *axis = axis.stepped(axis.acceleration + *change / jerk, bounds, *span);
         }
     }
 
@@ -368,6 +430,16 @@ impl<T: Real> Governor<T> {
             }
         }
         let to = self.recent.configuration();
+        let passages = self.passages();
+        if passages.wrist {
+            self.posture.wrist = to.wrist;
+        }
+        if passages.elbow {
+            self.posture.elbow = to.elbow;
+        }
+        if passages.shoulder {
+            self.posture.shoulder = to.shoulder;
+        }
         let kind = if self.by_joints { ChangeKind::Jump } else { ChangeKind::Passage };
         (from != to).then_some(Change { from, to, kind })
     }

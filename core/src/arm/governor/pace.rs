@@ -14,6 +14,10 @@ use nalgebra::{Vector3, Vector6};
 /// would be refused by the step.
 const SPEED_ASKED: f64 = 0.999;
 
+/// The same of the tool, whose speed no step refuses: joints that change their speeds at different
+/// times make it a little faster than it is asked to be.
+const TOOL_SPEED_ASKED: f64 = 0.92;
+
 /// The share of the stopping speed that is used to come to rest at the goal, and to stay away from the
 /// ends: the rest is for the lag of speeds behind what is asked.
 const STOPPING_SHARE: f64 = 0.8;
@@ -45,6 +49,8 @@ pub(super) struct Stance<'a, T> {
     pub(super) joints: &'a Joints<T>,
     pub(super) place: &'a Vector3<T>,
     pub(super) jacobian: &'a Jacobian<T>,
+    /// The speeds that the joints come to by the acceleration that they have.
+    pub(super) bound_for: &'a Joints<T>,
     pub(super) bounds: &'a [Bounds<T>; JOINTS],
     pub(super) ranges: &'a [Span<T>; JOINTS],
     pub(super) edges: &'a Bounded<T>,
@@ -77,7 +83,7 @@ impl<T: Real> Pace<T> {
     pub(super) fn new(config: &GovernorConfig, response: T) -> Self {
         Self {
             response,
-            tool_speed: T::of(config.max_tool_speed_m_s),
+            tool_speed: T::of(config.max_tool_speed_m_s * TOOL_SPEED_ASKED),
             margin: T::of(config.limit_margin_rad),
             singular_margin: T::of(config.singularity_margin),
             creep: T::of(config.creep_share),
@@ -111,7 +117,9 @@ impl<T: Real> Pace<T> {
                 limit.iter().for_each(|limit| limits.add(*limit));
             }
         }
-        let mut speeds = left.map(|way| way * factor.least);
+        // the tool as fast as it is bound to be: what is too much of it is asked back three times
+        let fast = (tool_speed(now.jacobian, now.bound_for).norm() / self.tool_speed).max(T::one());
+        let mut speeds = left.map(|way| way * factor.least / (fast * fast * fast));
         self.keep_from_ends(&mut speeds, now);
         self.keep_in_box(&mut speeds, now, limits);
         Paced { speeds, share: (factor.least / ideal).min(T::one()) }
@@ -193,9 +201,10 @@ impl<T: Real> Pace<T> {
             let crosses = (here < T::zero()) != (ahead < T::zero());
             let near = here.abs() < self.singular_margin;
             if near && (crosses || ahead.abs() < here.abs()) {
-                let left = (here.abs() / self.singular_margin).max(self.creep);
+                let left = here.abs() / self.singular_margin;
                 // nothing is gained by crossing on the way to where the arm cannot go
-                share = share.min(if crosses && kind == Kind::AsNearAsItGoes { T::zero() } else { left });
+                let least = if kind == Kind::AsNearAsItGoes { T::zero() } else { self.creep };
+                share = share.min(left.max(least));
                 limits.add(limit);
             }
         }

@@ -13,7 +13,7 @@ use super::goal::Left;
 use super::least_squares;
 use super::limits::{Limit, Limits};
 use crate::arm::puma560::{
-    ChooseRefusal, Configuration, Jacobian, Joints, Passages, Policy, Puma560, Recent, Solution, Unreachable,
+    ChooseRefusal, Configuration, Fixed, Jacobian, Joints, Passages, Policy, Puma560, Recent, Unreachable,
 };
 use crate::config::{AllowedPassages, JOINTS};
 use crate::geometry::Pose;
@@ -23,16 +23,12 @@ use crate::real::Real;
 /// second.
 const TURN_RAD_S: f64 = 2.0;
 
-/// How far a joint may have to go by the joints' way, radians: less than the half turn of a wrist that
-/// is turned over and the whole turn of a joint that is wound back.
-const FARTHEST_RAD: f64 = 3.0;
+/// How far a joint may have to go by the joints' way, radians: less than the whole turn of a joint that
+/// would be wound back, more than joint 4 can go.
+const FARTHEST_RAD: f64 = 5.2;
 
-/// Where the wrist's passage is allowed: by how much q5 may go from one side to the other, radians. So
-/// far the tool swings out while joints 4 and 6 go half a turn.
-const SWING_RAD: f64 = 0.5;
-
-/// The same for joints 4 and 6, a bit over half a turn.
-const TURNED_OVER_RAD: f64 = 3.5;
+/// The joints' way is at its end when no joint has farther to go, radians.
+const NEARLY_RAD: f64 = 0.05;
 
 /// How the way was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +55,6 @@ pub(super) struct Ways<T> {
     /// How far the tool may go in a cycle, metres, and turn, radians.
     piece_m: T,
     piece_rad: T,
-    policy: Policy,
 }
 
 /// How the arm stands and where it shall go.
@@ -69,19 +64,16 @@ pub(super) struct Situation<'a, T> {
     pub(super) jacobian: &'a Jacobian<T>,
     pub(super) spans: &'a [Span<T>; JOINTS],
     pub(super) goal: &'a Pose<T>,
+    /// The posture that is kept, and what of it may change on the straight way.
+    pub(super) posture: Configuration,
+    pub(super) passages: AllowedPassages,
     /// Whether the joints' way was taken up and is not at its end yet.
     pub(super) by_joints: bool,
 }
 
 impl<T: Real> Ways<T> {
-    pub(super) fn new(arm: &Puma560<T>, tool_speed: T, cycle: T, passages: AllowedPassages) -> Self {
-        let passages = Passages { wrist: passages.wrist, elbow: passages.elbow, shoulder: passages.shoulder };
-        Self {
-            arm: *arm,
-            piece_m: tool_speed * cycle,
-            piece_rad: T::of(TURN_RAD_S) * cycle,
-            policy: Policy { passages, ..Policy::default() },
-        }
+    pub(super) fn new(arm: &Puma560<T>, tool_speed: T, cycle: T) -> Self {
+        Self { arm: *arm, piece_m: tool_speed * cycle, piece_rad: T::of(TURN_RAD_S) * cycle }
     }
 
     pub(super) fn choose(&self, now: &Situation<'_, T>, limits: &mut Limits) -> Way<T> {
@@ -89,11 +81,12 @@ impl<T: Real> Ways<T> {
         let pieces = (left.place.norm() / self.piece_m).max(left.turn.norm() / self.piece_rad);
         let to_the_end = pieces <= T::one();
         let joints = now.recent.last();
+        let policy = now.policy();
         let mut refusal = None;
         if !now.by_joints {
             let pieces = pieces.max(T::one());
             let next = if to_the_end { *now.goal } else { left.along(now.pose, T::one() / pieces) };
-            match self.arm.choose(&next, now.recent, &self.policy) {
+            match self.arm.choose(&next, now.recent, &policy) {
                 Ok(choice) => {
                     let left = difference(&choice.joints, joints).map(|way| way * pieces);
                     return Way { left, to_the_end, kind: Kind::Straight };
@@ -101,63 +94,47 @@ impl<T: Real> Ways<T> {
                 Err(reason) => refusal = Some(reason),
             }
         }
-        if let Some(target) = self.solution(now.goal, now.recent) {
+        if let Some(target) = self.solution(now.goal, now.recent, now.posture) {
+            let left = difference(&target, joints);
+            let to_the_end = left.iter().all(|left| left.abs() <= T::of(NEARLY_RAD));
             if !to_the_end {
                 limits.add(Limit::AnotherWay);
             }
-            return Way { left: difference(&target, joints), to_the_end, kind: Kind::ByJoints };
+            return Way { left, to_the_end, kind: Kind::ByJoints };
         }
         // the way by the joints may end where the goal moved out of reach
-        let refusal = refusal.or_else(|| self.arm.choose(now.goal, now.recent, &self.policy).err());
-        tell(refusal, limits);
+        let refusal = refusal.or_else(|| self.arm.choose(now.goal, now.recent, &policy).err());
+        tell(refusal, now.posture, limits);
         let left = least_squares::approach(now.jacobian, &left, joints, now.spans);
         Way { left, to_the_end: false, kind: Kind::AsNearAsItGoes }
     }
 
-    /// The joints that bring the tool to the goal and are nearest, all in range, in the configuration
-    /// in which the arm stands; with the wrist bent the other way where that is little and allowed.
-    fn solution(&self, goal: &Pose<T>, recent: &Recent<T>) -> Option<Joints<T>> {
-        let stands = recent.configuration();
+    /// The joints that bring the tool to the goal in a posture, all in range and none of
+    /// them wound back.
+    pub(super) fn solution(
+        &self,
+        goal: &Pose<T>,
+        recent: &Recent<T>,
+        posture: Configuration,
+    ) -> Option<Joints<T>> {
         let solutions = self.arm.inverse(goal, recent.last()).ok()?;
-        let same =
-            nearest(solutions.within_ranges().filter(|s| self.may_stand(stands, s, false)), recent, |_| {
-                T::of(FARTHEST_RAD)
-            });
-        same.or_else(|| {
-            let over = |joint: usize| match joint {
-                4 | 6 => T::of(TURNED_OVER_RAD),
-                5 => T::of(SWING_RAD),
-                _ => T::of(FARTHEST_RAD),
-            };
-            nearest(solutions.within_ranges().filter(|s| self.may_stand(stands, s, true)), recent, over)
-        })
-    }
-
-    fn may_stand(&self, from: Configuration, solution: &Solution<T>, turned_over: bool) -> bool {
-        let to = solution.configuration;
-        let passages = self.policy.passages;
-        (to.shoulder == from.shoulder || passages.shoulder)
-            && (to.elbow == from.elbow || passages.elbow)
-            && (if turned_over { to.wrist != from.wrist && passages.wrist } else { to.wrist == from.wrist })
+        let solution = solutions.get(posture).filter(|solution| solution.outside.is_empty())?;
+        let way = difference(&solution.joints, recent.last());
+        way.iter().all(|way| way.abs() <= T::of(FARTHEST_RAD)).then_some(solution.joints)
     }
 }
 
-/// The solution whose joints have the least to go, none of them farther than `farthest` of its number.
-fn nearest<'a, T: Real>(
-    solutions: impl Iterator<Item = &'a Solution<T>>,
-    recent: &Recent<T>,
-    farthest: impl Fn(usize) -> T,
-) -> Option<Joints<T>> {
-    let mut best: Option<(T, Joints<T>)> = None;
-    for solution in solutions {
-        let way = difference(&solution.joints, recent.last());
-        let near = (1..).zip(&way).all(|(number, way)| way.abs() <= farthest(number));
-        let length = way.iter().fold(T::zero(), |sum, way| sum + *way * *way);
-        if near && best.is_none_or(|(least, _)| length < least) {
-            best = Some((length, solution.joints));
-        }
+impl<T: Real> Situation<'_, T> {
+    /// The joints follow through any singularity; what may not change has to be as before after it.
+    fn policy(&self) -> Policy {
+        let Configuration { shoulder, elbow, wrist } = self.posture;
+        let fixed = Fixed {
+            shoulder: (!self.passages.shoulder).then_some(shoulder),
+            elbow: (!self.passages.elbow).then_some(elbow),
+            wrist: (!self.passages.wrist).then_some(wrist),
+        };
+        Policy { fixed, passages: Passages::ALL, jump: false }
     }
-    best.map(|(_, joints)| joints)
 }
 
 fn difference<T: Real>(to: &Joints<T>, from: &Joints<T>) -> Joints<T> {
@@ -169,18 +146,23 @@ fn difference<T: Real>(to: &Joints<T>, from: &Joints<T>) -> Joints<T> {
 }
 
 /// Why the goal is not to be reached.
-fn tell(refusal: Option<ChooseRefusal>, limits: &mut Limits) {
-    use crate::arm::puma560::Singularity::{Elbow, Shoulder, Wrist};
+fn tell(refusal: Option<ChooseRefusal>, posture: Configuration, limits: &mut Limits) {
     match refusal {
         Some(ChooseRefusal::OutsideRange(joints)) => {
             for number in joints.numbers() {
                 limits.add(Limit::JointRange(number as u8));
             }
         }
-        Some(ChooseRefusal::Passage { singularity: Wrist, .. }) => limits.add(Limit::WristSingularity),
-        Some(ChooseRefusal::Passage { singularity: Elbow, .. }) => limits.add(Limit::ElbowSingularity),
-        Some(ChooseRefusal::Passage { singularity: Shoulder, .. }) => limits.add(Limit::ShoulderSingularity),
+        Some(ChooseRefusal::NotAsFixed { to, .. }) => limits.add(if to.shoulder != posture.shoulder {
+            Limit::ShoulderSingularity
+        } else if to.elbow != posture.elbow {
+            Limit::ElbowSingularity
+        } else {
+            Limit::WristSingularity
+        }),
         Some(ChooseRefusal::Unreachable(Unreachable::TooFar)) => limits.add(Limit::TooFar),
-        _ => limits.add(Limit::TooNear),
+        Some(_) => limits.add(Limit::TooNear),
+        // it could be followed to, but only with a joint wound back or out of the posture
+        None => limits.add(Limit::AnotherWay),
     }
 }

@@ -6,6 +6,8 @@ use crate::config::PumaConfig;
 use crate::hand::so3;
 use nalgebra::Vector3;
 
+mod back_out;
+
 mod following;
 
 /// The differences of the set-points so far, in double precision.
@@ -101,9 +103,9 @@ impl<T: Real> Checked<T> {
         governed
     }
 
-    /// Follows one goal until the arm is at rest; the cycles it took, or `None` after `most`.
-    pub(super) fn settle(&mut self, goal: &Pose<T>, most: u32) -> Option<u32> {
-        (0..most).find(|_| self.follow(goal).at_rest)
+    /// Follows one goal until the arm is at rest there; the cycles it took, or `None` after `most`.
+    pub(super) fn settle(&mut self, goal: &Pose<T>, exact: f64, most: u32) -> Option<u32> {
+        (0..most).find(|_| self.follow(goal).at_rest && self.off(goal).0.max(self.off(goal).1) < exact)
     }
 
     pub(super) fn off(&self, goal: &Pose<T>) -> (f64, f64) {

@@ -1,0 +1,182 @@
+//! Driven straight into each singularity, each end of a joint, each face of the workspace and the edge
+//! of reach: the arm always comes back to where it was, and keeps every bound on the way.
+
+use super::*;
+use crate::config::Workspace;
+use std::vec::Vec;
+
+/// What the arm is driven into.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Into {
+    Wrist,
+    Elbow,
+    Shoulder,
+    Reach,
+    End { joint: usize, upper: bool },
+    Face { axis: usize, upper: bool },
+}
+
+/// What a drive came upon, so that a rule that is never tried shows.
+#[derive(Default, Debug)]
+struct Seen {
+    drives: u64,
+    met: u64,
+    other_ways: u64,
+    changes: u64,
+    slowest: u32,
+    out_m: f64,
+    fastest_m_s: f64,
+}
+
+fn all() -> Vec<Into> {
+    let mut all = std::vec![Into::Wrist, Into::Elbow, Into::Shoulder, Into::Reach];
+    for upper in [false, true] {
+        all.extend((0..JOINTS).map(|joint| Into::End { joint, upper }));
+        all.extend((0..3).map(|axis| Into::Face { axis, upper }));
+    }
+    all
+}
+
+/// A goal beyond what is driven into.
+fn beyond(
+    into: Into,
+    random: &mut Random,
+    arm: &Puma560<f64>,
+    config: &GovernorConfig,
+    start: &Joints<f64>,
+) -> Pose<f64> {
+    let pose = arm.forward(start);
+    let mut joints = *start;
+    let mut goal = pose;
+    match into {
+        Into::Wrist => {
+            // past it at some distance: q5 to the other side, with some of q4
+            joints[4] *= random.within(-1.0, 0.0);
+            joints[3] += random.within(-0.3, 0.3);
+            goal = arm.forward(&joints);
+        }
+        Into::Elbow => {
+            // to the stretched elbow and on along the upper arm
+            let shoulder = Vector3::new(0.0, 0.0, arm.config().lengths.base_m);
+            let out = pose.translation - shoulder;
+            goal.translation += out / out.norm() * random.within(0.1, 0.6);
+        }
+        Into::Shoulder => {
+            goal.translation.x *= random.within(-0.3, 0.3);
+            goal.translation.y *= random.within(-0.3, 0.3);
+        }
+        Into::Reach => {
+            goal.translation += random.vector(1.0).normalize() * random.within(0.3, 1.5);
+        }
+        Into::End { joint, upper } => {
+            let range = &arm.config().joints[joint];
+            let past = random.within(0.01, 0.5);
+            joints[joint] = if upper { range.max_rad + past } else { range.min_rad - past };
+            goal = arm.forward(&joints);
+        }
+        Into::Face { axis, upper } => {
+            let w = &config.workspace;
+            let past = random.within(0.01, 0.3);
+            goal.translation[axis] = if upper { w.max_m[axis] + past } else { w.min_m[axis] - past };
+            goal.translation += random.vector(0.1);
+            goal.rotation = random.rotation(0.3) * goal.rotation;
+        }
+    }
+    goal
+}
+
+fn is_met(into: Into, limits: Limits) -> bool {
+    match into {
+        Into::Wrist => limits.contains(Limit::WristSingularity),
+        Into::Elbow => limits.contains(Limit::ElbowSingularity) || limits.contains(Limit::TooFar),
+        Into::Shoulder => limits.contains(Limit::ShoulderSingularity) || limits.contains(Limit::TooNear),
+        Into::Reach => limits.contains(Limit::TooFar) || limits.contains(Limit::TooNear),
+        Into::End { joint, upper } => {
+            let number = joint as JointNumber + 1;
+            limits.contains(Limit::JointRange(number))
+                || limits.contains(if upper {
+                    Limit::NearUpperLimit(number)
+                } else {
+                    Limit::NearLowerLimit(number)
+                })
+        }
+        Into::Face { .. } => limits.contains(Limit::WorkspaceEdge),
+    }
+}
+
+fn drive<T: Real>(into: Into, seed: u64, exact: f64, seen: &mut Seen) {
+    let mut random = Random::new(seed);
+    let mut config = GovernorConfig::default();
+    if let Into::Face { .. } = into {
+        config.workspace = Workspace { min_m: [-0.5, -0.5, 0.3], max_m: [0.5, 0.5, 1.1] };
+    }
+    let mut start = anywhere(&mut random, &config, 0.1);
+    if let Into::End { joint, upper } = into {
+        let range = &PumaConfig::default().joints[joint];
+        let away = random.within(0.0, 0.5);
+        start[joint] = if upper { range.max_rad - away } else { range.min_rad + away };
+        let arm = Puma560::<f64>::new(&PumaConfig::default()).unwrap();
+        let place = arm.forward(&start).translation;
+        let w = &config.workspace;
+        let (_, nearness) = arm.nearest_singularity(&arm.singularities(&start));
+        if nearness < 0.1 || !(0..3).all(|i| place[i] > w.min_m[i] && place[i] < w.max_m[i]) {
+            return;
+        }
+    }
+    let precise = Puma560::<f64>::new(&PumaConfig::default()).unwrap();
+    let target = beyond(into, &mut random, &precise, &config, &start);
+    let mut arm = Checked::<T>::new(&config, &start);
+    let home = arm.governor.pose;
+    let from = precise.forward(&start);
+    let left = goal::Left::between(&from, &target);
+    // at once, or as a hand leads it there
+    let frames = if random.chance(0.3) { 1.0 } else { random.within(10.0, 60.0) };
+    let push = random.within(0.0, 200.0) as u64;
+    let (mut met, mut other_way, mut frame) = (false, false, 0.0f64);
+    for cycle in 0..(frames as u64 * 3 + push) {
+        if cycle % 3 == 0 {
+            frame = (frame + 1.0).min(frames);
+        }
+        let pose = left.along(&from, frame / frames);
+        let goal = Pose { rotation: pose.rotation.map(T::of), translation: pose.translation.map(T::of) };
+        let governed = arm.follow(&goal);
+        met |= is_met(into, governed.limits);
+        other_way |= governed.limits.contains(Limit::AnotherWay);
+    }
+    let cycles = arm.settle(&home, exact, 3_000);
+    let (m, rad) = arm.off(&home);
+    assert!(
+        cycles.is_some(),
+        "{into:?}, seed {seed}: {m:.1e} m, {rad:.1e} rad after {cycles:?} from {start:?} at {:?}: {}",
+        arm.governor.set_point(),
+        arm.follow(&home).limits,
+    );
+    seen.drives += 1;
+    seen.met += u64::from(met);
+    seen.other_ways += u64::from(other_way);
+    seen.changes += arm.changes;
+    seen.slowest = seen.slowest.max(cycles.unwrap_or(0));
+    seen.out_m = seen.out_m.max(arm.out_m);
+    seen.fastest_m_s = seen.fastest_m_s.max(arm.fastest_m_s);
+}
+
+fn drive_into_all<T: Real>(drives: u64, exact: f64) {
+    for (number, into) in all().into_iter().enumerate() {
+        let mut seen = Seen::default();
+        for seed in 0..drives {
+            drive::<T>(into, seed * 1000 + number as u64, exact, &mut seen);
+        }
+        std::println!("{into:?}: {seen:?}");
+        assert!(seen.met * 3 > seen.drives && seen.drives * 10 > drives, "{into:?}: {seen:?}");
+    }
+}
+
+#[test]
+fn from_everything_it_is_driven_into_the_arm_comes_back() {
+    drive_into_all::<f64>(sequences(4_000), 1e-9);
+}
+
+#[test]
+fn also_in_single_precision() {
+    drive_into_all::<f32>(sequences(1_000), 1e-4);
+}
