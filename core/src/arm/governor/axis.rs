@@ -166,6 +166,22 @@ impl<T: Real> Axis<T> {
         self.speed + bounds.still_to_come(self.acceleration)
     }
 
+    /// The same after a cycle with this acceleration.
+    pub(super) fn peak_speed_with(&self, acceleration: T, bounds: &Bounds<T>) -> T {
+        self.speed + acceleration * bounds.cycle + bounds.still_to_come(acceleration)
+    }
+
+    /// About how far it still goes if it is stopped now, radians: as from the speed that it is bound for,
+    /// without acceleration, and what it goes until then.
+    pub(super) fn stop_way(&self, bounds: &Bounds<T>) -> T {
+        let half = T::of(0.5);
+        let peak = self.peak_speed(bounds);
+        let build_up = bounds.acceleration * bounds.cycle / bounds.jerk_cycle;
+        let turning = self.acceleration.abs() * bounds.cycle / bounds.jerk_cycle + bounds.cycle;
+        let quick = (peak.abs() / bounds.acceleration).min(build_up);
+        (self.speed + peak) * half * turning + peak * half * (peak.abs() / bounds.acceleration + quick)
+    }
+
     fn stops_within(&self, bounds: &Bounds<T>, span: Span<T>) -> bool {
         let mut axis = *self;
         for _ in 0..MAX_STOP_CYCLES {

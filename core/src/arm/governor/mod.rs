@@ -309,6 +309,9 @@ impl<T: Real> Governor<T> {
 
     /// One cycle towards a goal within reach; how fast the tool is asked to be.
     fn follow(&mut self, goal: &Pose<T>, uncertainty: Option<&Uncertainty<T>>, limits: &mut Limits) -> T {
+        for number in self.ways.arm.outside(&self.set_point()).numbers() {
+            limits.add(Limit::OutsideRange(number as JointNumber));
+        }
         if self.axes.iter().all(Axis::is_at_rest) && is_same(goal, &self.pose) {
             self.by_joints = false;
             self.barred = false;
@@ -328,9 +331,11 @@ impl<T: Real> Governor<T> {
             self.turn_back(goal);
             return T::one();
         }
-        let mut bound_for = joints;
-        for (speed, (axis, bounds)) in bound_for.iter_mut().zip(self.axes.iter().zip(&self.bounds)) {
+        let (mut bound_for, mut stop_way) = (joints, joints);
+        let ahead = bound_for.iter_mut().zip(&mut stop_way);
+        for ((speed, way), (axis, bounds)) in ahead.zip(self.axes.iter().zip(&self.bounds)) {
             *speed = axis.peak_speed(bounds);
+            *way = axis.stop_way(bounds);
         }
         let stance = Stance {
             arm: &self.ways.arm,
@@ -338,10 +343,19 @@ impl<T: Real> Governor<T> {
             place: &self.pose.translation,
             jacobian: &jacobian,
             bound_for: &bound_for,
+            stop_way: &stop_way,
             bounds: &self.bounds,
             ranges: &self.ranges,
             edges: &self.edges,
+            passages: self.passages(),
         };
+        if self.pace.leaves_box(&stance) {
+            limits.add(Limit::WorkspaceEdge);
+            for (axis, bounds) in self.axes.iter_mut().zip(&self.bounds) {
+                *axis = axis.stopped(bounds);
+            }
+            return T::zero();
+        }
         let paced = self.pace.along(&way, &stance, uncertainty, limits);
         self.watch(&way, paced.share);
         self.turn_back(goal);
@@ -408,12 +422,16 @@ impl<T: Real> Governor<T> {
         }
         let mut jerk = T::one();
         for ((wish, axis), bounds) in wishes.iter_mut().zip(&self.axes).zip(&self.bounds) {
-            *wish = *wish * factor - axis.acceleration;
-            jerk = jerk.max(wish.abs() / bounds.jerk_cycle);
+            *wish *= factor;
+            jerk = jerk.max((*wish - axis.acceleration).abs() / bounds.jerk_cycle);
         }
         let joints = self.axes.iter_mut().zip(&self.bounds).zip(&self.spans);
-        for (change, ((axis, bounds), span)) in wishes.iter().zip(joints) {
-            *axis = axis.stepped(axis.acceleration + *change / jerk, bounds, *span);
+        for ((wish, asked), ((axis, bounds), span)) in wishes.iter().zip(speeds).zip(joints) {
+            let waiting = axis.acceleration + (*wish - axis.acceleration) / jerk;
+            // what would pass the speed that is asked by waiting does not wait
+            let passes = axis.peak_speed_with(waiting, bounds) - *asked;
+            let waits = passes * (*asked - axis.speed) <= T::zero();
+            *axis = axis.stepped(if waits { waiting } else { *wish }, bounds, *span);
         }
     }
 

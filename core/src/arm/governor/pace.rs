@@ -6,7 +6,7 @@ use super::limits::{Limit, Limits};
 use super::way::{Kind, Way};
 use crate::arm::puma560::{Jacobian, Joints, Puma560, Singularities};
 use crate::arm::teleop::Uncertainty;
-use crate::config::{GovernorConfig, JOINTS, SlowedByUncertainty};
+use crate::config::{AllowedPassages, GovernorConfig, JOINTS, SlowedByUncertainty};
 use crate::real::Real;
 use nalgebra::{Vector3, Vector6};
 
@@ -27,6 +27,9 @@ const WAITING_SHARE: f64 = 0.05;
 
 /// What slows by less than this is not told.
 const TOLD_SHARE: f64 = 0.98;
+
+/// How far a stop may lead out of the workspace before all joints are stopped, metres.
+const OVER_EDGE_M: f64 = 0.002;
 
 /// A correction at the edge of the workspace is told from this speed on, m/s.
 const TOLD_SPEED_M_S: f64 = 0.001;
@@ -51,9 +54,12 @@ pub(super) struct Stance<'a, T> {
     pub(super) jacobian: &'a Jacobian<T>,
     /// The speeds that the joints come to by the acceleration that they have.
     pub(super) bound_for: &'a Joints<T>,
+    /// About how far they still go if they are stopped now, radians.
+    pub(super) stop_way: &'a Joints<T>,
     pub(super) bounds: &'a [Bounds<T>; JOINTS],
     pub(super) ranges: &'a [Span<T>; JOINTS],
     pub(super) edges: &'a Bounded<T>,
+    pub(super) passages: AllowedPassages,
 }
 
 /// What was decided.
@@ -100,17 +106,18 @@ impl<T: Real> Pace<T> {
         limits: &mut Limits,
     ) -> Paced<T> {
         let mut left = way.left;
-        self.keep_outside_joints_from_leaving(&mut left, now, limits);
+        self.keep_outside_joints_from_leaving(&mut left, now);
         let tool = tool_speed(now.jacobian, &left).norm();
         let known = self.known_share(uncertainty, limits);
         let ideal = per(self.tool_speed, tool).min(self.response);
         let mut share = known;
         let mut factor = self.factor(&left, tool, share, now);
-        let singular = self.singular_share(&left, factor.least, way.kind, now, limits);
+        let (singular, most) = self.near_singularities(&left, factor.least, way.kind, now, limits);
         if singular < T::one() {
             share *= singular;
             factor = self.factor(&left, tool, share, now);
         }
+        factor.least = factor.least.min(most);
         if factor.least < self.response * T::of(TOLD_SHARE) {
             let binding = factor.least / T::of(TOLD_SHARE);
             for (limit, _) in factor.named.iter().filter(|(_, at_most)| *at_most <= binding) {
@@ -121,20 +128,16 @@ impl<T: Real> Pace<T> {
         let fast = (tool_speed(now.jacobian, now.bound_for).norm() / self.tool_speed).max(T::one());
         let mut speeds = left.map(|way| way * factor.least / (fast * fast * fast));
         self.keep_from_ends(&mut speeds, now);
-        self.keep_in_box(&mut speeds, now, limits);
+        self.keep_in_box(&mut speeds, way.kind, now, limits);
         Paced { speeds, share: (factor.least / ideal).min(T::one()) }
     }
 
-    fn keep_outside_joints_from_leaving(
-        &self,
-        left: &mut Joints<T>,
-        now: &Stance<'_, T>,
-        limits: &mut Limits,
-    ) {
-        for (number, ((way, angle), range)) in (1..).zip(left.iter_mut().zip(now.joints).zip(now.ranges)) {
-            if *angle < range.min || *angle > range.max {
-                limits.add(Limit::OutsideRange(number));
-                *way = if *angle < range.min { way.max(T::zero()) } else { way.min(T::zero()) };
+    fn keep_outside_joints_from_leaving(&self, left: &mut Joints<T>, now: &Stance<'_, T>) {
+        for (way, (angle, range)) in left.iter_mut().zip(now.joints.iter().zip(now.ranges)) {
+            if *angle < range.min {
+                *way = way.max(T::zero());
+            } else if *angle > range.max {
+                *way = way.min(T::zero());
             }
         }
     }
@@ -180,15 +183,16 @@ impl<T: Real> Pace<T> {
         }
     }
 
-    /// The share of speed that is left where the way leads nearer to a singularity.
-    fn singular_share(
+    /// The share of speed that is left where the way leads nearer to a singularity, and the largest
+    /// factor with which one that is not to be passed is still not passed.
+    fn near_singularities(
         &self,
         left: &Joints<T>,
         factor: T,
         kind: Kind,
         now: &Stance<'_, T>,
         limits: &mut Limits,
-    ) -> T {
+    ) -> (T, T) {
         let mut ahead = *now.joints;
         for ((angle, way), bounds) in ahead.iter_mut().zip(left).zip(now.bounds) {
             *angle += *way * factor * bounds.cycle;
@@ -197,18 +201,33 @@ impl<T: Real> Pace<T> {
         let ahead = self.nearness(now.arm, &now.arm.singularities(&ahead));
         let names = [Limit::WristSingularity, Limit::ElbowSingularity, Limit::ShoulderSingularity];
         let mut share = T::one();
-        for ((here, ahead), limit) in here.into_iter().zip(ahead).zip(names) {
+        let mut most = factor;
+        let cycle = now.bounds.iter().fold(T::zero(), |_, bounds| bounds.cycle);
+        let passages = [now.passages.wrist, now.passages.elbow, now.passages.shoulder]
+            .map(|passage| passage && kind == Kind::Straight);
+        for (((here, ahead), limit), passable) in here.into_iter().zip(ahead).zip(names).zip(passages) {
             let crosses = (here < T::zero()) != (ahead < T::zero());
-            let near = here.abs() < self.singular_margin;
-            if near && (crosses || ahead.abs() < here.abs()) {
-                let left = here.abs() / self.singular_margin;
-                // nothing is gained by crossing on the way to where the arm cannot go
-                let least = if kind == Kind::AsNearAsItGoes { T::zero() } else { self.creep };
-                share = share.min(left.max(least));
+            if !crosses && ahead.abs() >= here.abs() {
+                continue;
+            }
+            let mut limits_it = here.abs() < self.singular_margin;
+            if limits_it {
+                share = share.min((here.abs() / self.singular_margin).max(self.creep));
+            }
+            // through what is not to be passed only the joints' way may lead, and back again
+            if !passable && kind != Kind::ByJoints {
+                let gone = (here - ahead).abs() / cycle;
+                let allowed = here.abs() * self.response * T::of(0.5);
+                if allowed < gone {
+                    limits_it = true;
+                    most = most.min(factor * allowed / gone);
+                }
+            }
+            if limits_it {
                 limits.add(limit);
             }
         }
-        share
+        (share, most)
     }
 
     /// The factors of det J, each as a share of the largest that it can be; half of the reach is about
@@ -233,14 +252,36 @@ impl<T: Real> Pace<T> {
         share
     }
 
+    /// Whether the tool is on its way out of the box so fast that only stopping all joints now, or
+    /// about now, keeps it in.
+    pub(super) fn leaves_box(&self, now: &Stance<'_, T>) -> bool {
+        let mut stopped = *now.joints;
+        for (angle, way) in stopped.iter_mut().zip(now.stop_way) {
+            *angle += *way;
+        }
+        let stopped = now.arm.forward(&stopped).translation;
+        let over = T::of(OVER_EDGE_M);
+        let sides = now.edges.min.iter().zip(now.edges.max.iter());
+        now.place.iter().zip(stopped.iter()).zip(sides).any(|((place, stopped), (min, max))| {
+            // one that is out already may come back
+            let moved = *stopped - *place;
+            let moves = over * T::of(0.1);
+            (moved > moves && *stopped > *max + over) || (moved < -moves && *stopped < *min - over)
+        })
+    }
+
     /// Takes away what would carry the tool out of the box, by as little of the joints as does it.
-    fn keep_in_box(&self, speeds: &mut Joints<T>, now: &Stance<'_, T>, limits: &mut Limits) {
+    fn keep_in_box(&self, speeds: &mut Joints<T>, kind: Kind, now: &Stance<'_, T>, limits: &mut Limits) {
+        // the straight way to a goal in the box does not lead out of it
+        let response = if kind == Kind::Straight { self.response } else { self.response * T::of(0.5) };
+        // what is out is asked back, gently
+        let back = -self.tool_speed * self.creep;
         let sides = now.place.iter().zip(now.edges.min.iter().zip(now.edges.max.iter()));
         for (row, (place, (min, max))) in now.jacobian.row_iter().zip(sides) {
             let row = row.transpose();
             let asked = row.dot(&Vector6::from(*speeds));
-            let upwards = (*max - *place).max(T::zero()) * self.response;
-            let downwards = (*place - *min).max(T::zero()) * self.response;
+            let upwards = ((*max - *place) * response).max(back);
+            let downwards = ((*place - *min) * response).max(back);
             let over = asked - asked.min(upwards).max(-downwards);
             let size = row.norm_squared();
             if over == T::zero() || size <= T::SLACK {

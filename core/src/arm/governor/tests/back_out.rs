@@ -173,10 +173,10 @@ fn drive_into_all<T: Real>(drives: u64, exact: f64) {
 
 #[test]
 fn from_everything_it_is_driven_into_the_arm_comes_back() {
-    drive_into_all::<f64>(sequences(4_000), 1e-9);
+    drive_into_all::<f64>(sequences(2_000), 1e-9);
 }
 
 #[test]
 fn also_in_single_precision() {
-    drive_into_all::<f32>(sequences(1_000), 1e-4);
+    drive_into_all::<f32>(sequences(500), 1e-4);
 }

@@ -10,6 +10,8 @@ mod back_out;
 
 mod following;
 
+mod orders;
+
 /// The differences of the set-points so far, in double precision.
 pub(super) struct Checked<T> {
     pub(super) governor: Governor<T>,
