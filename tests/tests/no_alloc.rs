@@ -1,20 +1,27 @@
 //! Promise: no step of core allocates. Not learning, not tracking (found, lost and searched for in
-//! the whole picture), not the hand's motion, not packets. And what is kept between two frames is
+//! the whole picture), not the hand's motion, not packets, not the
+//! slave's cycle. And what is kept between two frames is
 //! small.
 
 mod common;
 
+use nalgebra::Vector3;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::hint::black_box;
 use tetrad::pipeline::PipelineConfig;
-use tetrad_core::config::{LearnConfig, ProposeConfig};
+use tetrad_core::arm::port::{JointReading, PortStatus};
+use tetrad_core::arm::slave::{ArmReading, PortOrder, Slave};
+use tetrad_core::arm::teleop::Command;
+use tetrad_core::config::{LearnConfig, ProposeConfig, SlaveConfig};
+use tetrad_core::geometry::Pose;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::state::PoseState;
 use tetrad_core::hand::tracker::HandTracker;
 use tetrad_core::hand::view::{CameraModel, HandView};
 use tetrad_core::observation::{BALLS, Ball, Observation};
+use tetrad_core::real::Real;
 use tetrad_core::vision::colour::Primary;
 use tetrad_core::vision::learn::propose::propose;
 use tetrad_core::vision::learn::{HorizontalScan, learn};
@@ -204,4 +211,54 @@ fn packets_allocate_nothing() {
         });
         assert_eq!(allocations, 0);
     }
+}
+
+/// A second of an engaged arm, in both precisions: commands, button, law, limits, kinematics; then a
+/// stop.
+fn slave_without_an_allocation<T: Real>() {
+    let mut slave = Slave::<T>::new(&SlaveConfig::default()).expect("the default");
+    let mut joints = [0.0_f64, 0.8, -3.0, 0.1, 0.9, 0.0].map(T::of);
+    let states = Cell::new(0_u8);
+    let ((), allocations) = counted(|| {
+        for cycle in 0..130_u32 {
+            let now_us = 1_000_000 + u64::from(cycle) * 10_000;
+            let joints_read = Some(JointReading { joints, age_us: 0 });
+            let reading = ArmReading { joints: joints_read, status: PortStatus::Ready };
+            slave.hold_to_run(cycle > 10, now_us);
+            if cycle == 10 {
+                slave.reset(now_us, &reading).expect("it is armed");
+            }
+            if cycle == 120 {
+                slave.stop();
+            }
+            let moved = cycle as f32 * 1e-3;
+            let command = Command {
+                session: 1,
+                sequence: cycle,
+                capture_us: now_us,
+                received_us: now_us,
+                engaged: true,
+                engagements: 1,
+                state: PoseState::Both,
+                increment: Pose::identity(),
+                since_engage: Pose { translation: Vector3::new(moved, -moved, moved), ..Pose::identity() },
+                covariance: None,
+            };
+            slave.take(&command).expect("it is newer");
+            let step = slave.step(now_us, &reading);
+            if let PortOrder::Write(next) = step.order {
+                joints = next;
+            }
+            states.set(states.get() | 1 << step.decision.status.state() as u8);
+        }
+    });
+    assert_eq!(allocations, 0);
+    // stopped, armed and engaged
+    assert_eq!(states.get() & 0b111, 0b111);
+}
+
+#[test]
+fn the_slave_allocates_nothing() {
+    slave_without_an_allocation::<f64>();
+    slave_without_an_allocation::<f32>();
 }

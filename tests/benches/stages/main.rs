@@ -8,6 +8,7 @@ mod arm;
 mod camera;
 mod clip;
 mod hand;
+mod slave;
 mod vision;
 mod wire;
 

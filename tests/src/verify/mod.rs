@@ -66,6 +66,12 @@ pub const CHECKS: &[Check] = &[
         run: suite::golden_release,
     },
     Check {
+        name: "arm-sequences",
+        protects: "no sequence of commands, losses and stops makes the arm jump: all 100,000 of them",
+        quick: false,
+        run: suite::arm_sequences,
+    },
+    Check {
         name: "benchmarks",
         protects: "every benchmark still runs: each once, without figures",
         quick: false,

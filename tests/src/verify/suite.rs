@@ -22,12 +22,26 @@ pub(super) fn golden_release(context: &Context) -> Outcome {
     outcome
 }
 
+/// The property tests of the arm with all their random sequences; `cargo test` runs a twentieth.
+pub(super) fn arm_sequences(context: &Context) -> Outcome {
+    let arguments = ["test", "--locked", "--package", "tetrad-core", "--lib", "arm::"];
+    let outcome = cargo_test_with(context, &arguments, &[("TETRAD_FULL", "1")]);
+    if outcome.passed == 0 && outcome.failed == 0 {
+        return Outcome::fail("no test of the arm ran: core/src/arm is not where it was");
+    }
+    outcome
+}
+
 fn cargo_test(context: &Context, arguments: &[&str]) -> Outcome {
+    cargo_test_with(context, arguments, &[])
+}
+
+fn cargo_test_with(context: &Context, arguments: &[&str], settings: &[(&str, &str)]) -> Outcome {
     let log = context.log_path(&context.check).with_extension("skipped");
     // Left over from the last run; that it is not there is the usual case.
     let _ = fs::remove_file(&log);
     let mut cargo = context.cargo(arguments);
-    cargo.env(crate::SKIP_LOG, &log);
+    cargo.env(crate::SKIP_LOG, &log).envs(settings.iter().copied());
     let run = context.run(&mut cargo, LIMIT);
     let skipped = fs::read_to_string(&log).unwrap_or_default();
     let mut outcome = count::of_cargo_test(&run.output, &skipped, run.ok);
