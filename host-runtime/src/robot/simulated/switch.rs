@@ -79,6 +79,9 @@ impl Switch {
     /// Moves on to `now_us`, through everything that is due by then, in order; `act` is told what the
     /// joints are to do and when. `trouble` is what is found at the arm now.
     pub(super) fn advance(&mut self, now_us: u64, trouble: Trouble, mut act: impl FnMut(u64, Action)) {
+        let timed_silence_us = self.timed_silence_us;
+        let silent_at = |at_us| trouble.silent || timed_silence_us.is_some_and(|from_us| from_us <= at_us);
+        let was_silent = self.trouble.silent;
         loop {
             let timer_us = match self.state {
                 State::Enabling { ready_us } => Some(ready_us),
@@ -92,6 +95,10 @@ impl Switch {
                 self.timed_fault = None;
                 self.stays_until_us = at_us.saturating_add(FAULT_STAYS_US);
                 self.fail(timed.fault, at_us, &mut act);
+            } else if matches!(self.state, State::Enabling { .. }) && (was_silent || silent_at(at_us)) {
+                // it takes somebody who is heard to switch it on
+                self.state = State::Stopped;
+                self.reason = Some(Reason::WasSilent);
             } else if let State::Enabling { .. } = self.state {
                 self.state = State::Ready { deadline_us: self.deadline(at_us) };
                 act(at_us, Action::Release);
@@ -101,7 +108,7 @@ impl Switch {
                 act(at_us, Action::Stop);
             }
         }
-        let silent = trouble.silent || self.timed_silence_us.is_some_and(|at_us| at_us <= now_us);
+        let silent = silent_at(now_us);
         let before = std::mem::replace(&mut self.trouble, Trouble { silent, ..trouble });
         if let Some(fault) = trouble.fault.filter(|_| before.fault != trouble.fault) {
             self.fail(fault, now_us, &mut act);

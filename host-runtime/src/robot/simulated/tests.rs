@@ -1,6 +1,8 @@
 use super::*;
 use tetrad_core::config::{DRIVEN_RAD_S2, JOINTS};
 
+mod any_course;
+
 const CYCLE_US: u64 = 10_000;
 
 /// An arm by a clock that is set by hand, driven as a station does: one set-point a cycle.
