@@ -10,10 +10,10 @@ use std::collections::HashMap;
 use std::mem;
 
 /// Joint angles, degrees, as VAL counts them.
-pub type Degrees = [f64; 6];
+pub(crate) type Degrees = [f64; 6];
 
 /// READY: straight up.
-pub const READY: Degrees = [0.0, -90.0, 90.0, 0.0, 0.0, 0.0];
+pub(crate) const READY: Degrees = [0.0, -90.0, 90.0, 0.0, 0.0, 0.0];
 
 const PROMPT: &str = "\r\n.";
 
@@ -32,7 +32,7 @@ enum Waiting {
 
 /// The controller and its arm.
 #[derive(Debug)]
-pub struct Controller {
+pub(crate) struct Controller {
     waiting: Waiting,
     line: String,
     /// Typed while it did not listen.
@@ -42,25 +42,25 @@ pub struct Controller {
     calibrated: bool,
     speed: f64,
     /// Where the arm was moved to, in order.
-    pub visited: Vec<Degrees>,
+    pub(crate) visited: Vec<Degrees>,
     /// What was typed, line by line.
-    pub typed: Vec<String>,
+    pub(crate) typed: Vec<String>,
     /// Knows PPOINT (V+).
-    pub plus: bool,
+    pub(crate) plus: bool,
     /// The next DO is refused with this text.
-    pub refuse: Option<String>,
+    pub(crate) refuse: Option<String>,
     /// Does not answer and does not listen.
-    pub silent: bool,
+    pub(crate) silent: bool,
     /// The character that is lost on its way here, from now on; and that on its way back.
-    pub lose_in: Option<usize>,
-    pub lose_out: Option<usize>,
+    pub(crate) lose_in: Option<usize>,
+    pub(crate) lose_out: Option<usize>,
     /// A motion does not end before it is released.
-    pub hold: bool,
+    pub(crate) hold: bool,
 }
 
 impl Controller {
     /// Switched on long ago, calibrated, at READY, its prompt printed.
-    pub fn running() -> Self {
+    pub(crate) fn running() -> Self {
         Self {
             waiting: Waiting::Command,
             line: String::new(),
@@ -80,23 +80,28 @@ impl Controller {
         }
     }
 
+    /// The same, of V+.
+    pub(crate) fn plus() -> Self {
+        Self { plus: true, ..Self::running() }
+    }
+
     /// Where the arm is.
-    pub fn joints(&self) -> Degrees {
+    pub(crate) fn joints(&self) -> Degrees {
         self.joints
     }
 
     /// What SPEED it was told.
-    pub fn speed(&self) -> f64 {
+    pub(crate) fn speed(&self) -> f64 {
         self.speed
     }
 
     /// Puts the arm somewhere by hand.
-    pub fn put(&mut self, joints: Degrees) {
+    pub(crate) fn put(&mut self, joints: Degrees) {
         self.joints = joints;
     }
 
     /// Switched off and on. Points and joints are forgotten. What it prints.
-    pub fn restart(&mut self) -> Vec<u8> {
+    pub(crate) fn restart(&mut self) -> Vec<u8> {
         (self.waiting, self.calibrated) = (Waiting::Floppy, false);
         self.line.clear();
         self.points.clear();
@@ -104,12 +109,12 @@ impl Controller {
     }
 
     /// Prints something unasked.
-    pub fn print(&mut self, text: &str) -> Vec<u8> {
+    pub(crate) fn print(&mut self, text: &str) -> Vec<u8> {
         self.carried(text.as_bytes().to_vec())
     }
 
     /// The motion that is held ends. What it prints.
-    pub fn release(&mut self) -> Vec<u8> {
+    pub(crate) fn release(&mut self) -> Vec<u8> {
         self.hold = false;
         if self.waiting != Waiting::Motion {
             return Vec::new();
@@ -122,7 +127,7 @@ impl Controller {
     }
 
     /// Takes what was typed; gives back what it prints.
-    pub fn hear(&mut self, bytes: &[u8]) -> Vec<u8> {
+    pub(crate) fn hear(&mut self, bytes: &[u8]) -> Vec<u8> {
         let mut out = Vec::new();
         for byte in bytes {
             if self.silent || count_down(&mut self.lose_in) {

@@ -11,7 +11,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 /// A running emulator. Its device has a name that stays when it is unplugged and plugged in again.
-pub struct Emulator {
+pub(crate) struct Emulator {
     controller: Arc<Mutex<Controller>>,
     /// Printed unasked.
     unasked: Arc<Mutex<Vec<u8>>>,
@@ -21,7 +21,7 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    pub fn start(controller: Controller) -> Self {
+    pub(crate) fn start(controller: Controller) -> Self {
         let mut emulator = Self {
             controller: Arc::new(Mutex::new(controller)),
             unasked: Arc::default(),
@@ -33,30 +33,36 @@ impl Emulator {
         emulator
     }
 
-    pub fn device(&self) -> PathBuf {
+    pub(crate) fn device(&self) -> PathBuf {
         self.folder.path().join("ttyVAL")
     }
 
-    pub fn address(&self, settings: &str) -> String {
+    pub(crate) fn address(&self, settings: &str) -> String {
         format!("val2:{}?{settings}", self.device().display())
     }
 
-    pub fn folder(&self) -> &Path {
+    pub(crate) fn folder(&self) -> &Path {
         self.folder.path()
     }
 
-    pub fn controller(&self) -> MutexGuard<'_, Controller> {
+    pub(crate) fn controller(&self) -> MutexGuard<'_, Controller> {
         self.controller.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// How many moves there were, and lines typed.
+    pub(crate) fn so_far(&self) -> (usize, usize) {
+        let controller = self.controller();
+        (controller.visited.len(), controller.typed.len())
+    }
+
     /// Has the controller do something, and sends what it prints.
-    pub fn with(&self, act: impl FnOnce(&mut Controller) -> Vec<u8>) {
+    pub(crate) fn with(&self, act: impl FnOnce(&mut Controller) -> Vec<u8>) {
         let printed = act(&mut self.controller());
         self.unasked.lock().unwrap_or_else(PoisonError::into_inner).extend(printed);
     }
 
     /// Pulls the cable.
-    pub fn unplug(&mut self) {
+    pub(crate) fn unplug(&mut self) {
         self.unplugged.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
             thread.join().expect("the emulator");
@@ -65,7 +71,7 @@ impl Emulator {
     }
 
     /// Puts it in again.
-    pub fn plug(&mut self) {
+    pub(crate) fn plug(&mut self) {
         let (master, slave) = TTYPort::pair().expect("a pseudo-terminal");
         let name = serialport::SerialPort::name(&slave).expect("its name");
         symlink(name, self.device()).expect("a name for it");

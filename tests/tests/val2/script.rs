@@ -6,20 +6,20 @@ use tetrad::robot::val2::{Dialogue, Val2Config, parse};
 use tetrad_core::config::PumaConfig;
 
 /// The script's text with every byte that was sent as it was really sent.
-pub fn play(path: &Path) -> String {
+pub(crate) fn play(path: &Path) -> String {
     let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut settings = Val2Config::default();
     let mut dialogue = Dialogue::new(&settings, &PumaConfig::default());
     let mut now = Duration::ZERO;
     let mut told = String::new();
     for (number, line) in (1..).zip(text.lines()) {
-        let at = || format!("{}:{number}: {line}", path.display());
+        let wrong = || -> ! { panic!("{}:{number}: {line}: cannot be read", path.display()) };
         let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
         let mut said = line.to_owned();
         match word {
             "" | "#" => {}
             "settings" => {
-                settings = parse(&format!("val2:x?{rest}"), &settings).expect(&at()).1;
+                settings = parse(&format!("val2:x?{rest}"), &settings).unwrap_or_else(|_| wrong()).1;
                 dialogue = Dialogue::new(&settings, &PumaConfig::default());
             }
             "enable" => {
@@ -28,17 +28,20 @@ pub fn play(path: &Path) -> String {
             }
             "stop" => dialogue.stop(),
             "wait" => {
-                now += Duration::from_millis(rest.parse().expect(&at()));
+                now += Duration::from_millis(rest.parse().unwrap_or_else(|_| wrong()));
                 dialogue.tick(now);
             }
             // the model's degrees
             "set" => {
-                let degrees: Vec<f64> = rest.split(',').map(|angle| angle.parse().expect(&at())).collect();
-                let joints: [f64; 6] = degrees.try_into().expect(&at());
+                let (asked, _) = line.split_once(" ! ").unwrap_or((line, ""));
+                let degrees =
+                    asked.split([' ', ',']).skip(1).map(|angle| angle.parse().unwrap_or_else(|_| wrong()));
+                let degrees: Vec<f64> = degrees.collect();
+                let joints: [f64; 6] = degrees.try_into().unwrap_or_else(|_| wrong());
                 let joints = joints.map(f64::to_radians);
                 said = match dialogue.write_set_point(&joints, now) {
-                    Ok(()) => line.split(" ! ").next().unwrap_or(line).to_owned(),
-                    Err(error) => format!("{} ! {error:?}", line.split(" ! ").next().unwrap_or(line)),
+                    Ok(()) => asked.to_owned(),
+                    Err(error) => format!("{asked} ! {error:?}"),
                 };
                 dialogue.tick(now);
             }
@@ -47,12 +50,15 @@ pub fn play(path: &Path) -> String {
                 dialogue.tick(now);
             }
             // what is really sent is put in its place
-            ">" => said = format!("> {}", dialogue.take_output().as_bytes().escape_ascii()),
+            ">" => {
+                let sent = format!("> {}", dialogue.take_output().as_bytes().escape_ascii());
+                said = sent.trim_end().to_owned();
+            }
             "is" => {
                 let reason = dialogue.reason().map(|reason| format!(": {reason}")).unwrap_or_default();
                 said = format!("is {:?}{reason}", dialogue.status());
             }
-            _ => panic!("{}: no such word", at()),
+            _ => wrong(),
         }
         told.push_str(&said);
         told.push('\n');
