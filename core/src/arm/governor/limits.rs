@@ -240,7 +240,7 @@ impl Limits {
 
 const _: () = assert!(first::END <= u64::BITS, "the set is a u64");
 
-/// The texts, `; ` between them... one a limit, ` / ` between them; nothing for an empty set.
+/// The texts, ` / ` between them; nothing for an empty set.
 impl fmt::Display for Limits {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (place, limit) in self.iter().enumerate() {

@@ -13,11 +13,14 @@
 //! - **Exact.** Where the arm can be at the goal it comes to be there, by the closed-form inverse; a
 //!   goal that is where the arm is told to be already moves nothing, to the bit.
 //! - **Bounded.** The differences of the set-points keep the bounds of speed, acceleration and jerk in
-//!   every cycle, and a stop within the joint's range is possible from each of them ([`axis`]).
+//!   every cycle, and a stop within the joint's range is possible from each of them (`axis`).
 //! - **No wind-up.** All is told anew from the set-point in each cycle. A goal that cannot be reached
 //!   is replaced by the nearest that can; nothing is added up, the way back begins at once.
-//! - **Always a way back.** See [`way`]: to where the arm stood before, in the posture in which it
+//! - **Always a way back.** See `way`: to where the arm stood before, in the posture in which it
 //!   stands, there is always one. Slowing at ends and singularities knows the direction.
+//! - **Aimed at, not proved.** Speed of the tool and workspace: goals are in the box and straight ways do
+//!   not leave it; where the tool goes by the joints or as near as it can, it may swing out by centimetres
+//!   before the joints, within their accelerations, have stopped it.
 //! - **Never silent.** What limits is in [`Governed::limits`], a change of posture in
 //!   [`Governed::change`].
 //!
