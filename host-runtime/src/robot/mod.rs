@@ -49,6 +49,10 @@ pub trait Robot: RobotPort<f64> + Send {
         None
     }
 
+    /// Somebody vouches for it that every joint is homed: for controllers that cannot tell by themselves.
+    /// Without effect on others.
+    fn confirm_homed(&mut self) {}
+
     /// Lines for the end of a run: rates, jitter.
     fn report(&self) -> Vec<String> {
         Vec::new()

@@ -101,6 +101,9 @@ fn an_arm_that_is_not_homed_gets_no_torque_until_it_is_and_is_asked_again() {
     assert_eq!(bench.master.status(), PortStatus::NotHomed);
     assert!(bench.reason().starts_with("the drive of joint 3 (node 3) is not homed any more"));
     bench.assert_others_stop(None);
+    bench.drives[2].more_status = 1 << 14;
+    bench.steps(2);
+    assert_eq!(bench.master.status(), PortStatus::Stopped);
 }
 
 #[test]

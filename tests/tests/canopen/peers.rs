@@ -172,7 +172,7 @@ fn a_python_drive_in_fault_stops_the_others() {
         "{reason}"
     );
     // its cause is gone: back, where the arm is
-    port.enable().unwrap();
+    wait_for("the reset", || port.enable() == Ok(()));
     wait_for("the arm", || port.status() == PortStatus::Ready);
 }
 

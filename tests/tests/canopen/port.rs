@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use tetrad::robot::Robot as _;
 use tetrad::robot::canopen::bus::{Bus, in_memory};
 use tetrad::robot::canopen::{CanopenConfig, CanopenError, CanopenPort};
-use tetrad_core::arm::port::{PortError, PortStatus, RobotPort as _};
+use tetrad_core::arm::port::{PortError, PortFault, PortStatus, RobotPort as _};
 use tetrad_core::arm::puma560::{Counts, Drives, Joints};
 use tetrad_core::config::{DrivesConfig, PumaConfig};
 
@@ -171,6 +171,21 @@ fn a_closed_port_leaves_the_arm_at_rest() {
     wait_for("the drives", || fleet.with(|drives| drives.iter().all(braked)));
 }
 
+/// A program that enables in a loop does not reset what nobody has seen.
+#[test]
+fn a_new_fault_is_not_reset_before_it_can_have_been_read() {
+    let (fleet, bus) = Fleet::start();
+    fleet.with(|drives| drives[5].fail(0x7305, &mut Vec::new()));
+    let mut port = open_once(bus);
+    let fault = PortFault { joint: Some(6), code: 0x7305 };
+    wait_for("the fault", || port.status() == PortStatus::Fault(fault));
+    assert_eq!(port.enable(), Err(PortError::Refused(fault)));
+    assert_eq!(port.status(), PortStatus::Fault(fault));
+    assert_eq!(fleet.with(|drives| drives[5].status), Status::Fault);
+    wait_for("the reset", || port.enable() == Ok(()));
+    wait_for("the arm", || port.status() == PortStatus::Ready);
+}
+
 #[test]
 fn an_adapter_that_is_pulled_is_a_loss_and_enabling_tries_to_open_it_again() {
     let (fleet, mut port) = ready();
@@ -180,7 +195,8 @@ fn an_adapter_that_is_pulled_is_a_loss_and_enabling_tries_to_open_it_again() {
     wait_for("the loss", || port.status() == PortStatus::Lost);
     assert_eq!(port.read_joints(), Err(PortError::Lost));
     wait_for("the bus", || {
-        port.enable().unwrap();
+        // refused until somebody can have read it
+        let _ = port.enable();
         port.reason().is_some_and(|reason| reason.starts_with("the CAN bus is gone: unplugged"))
     });
     wait_for("the status", || port.status() == PortStatus::Lost);

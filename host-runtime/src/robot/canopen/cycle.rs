@@ -46,6 +46,8 @@ pub(super) struct Shared {
     pub(super) confirm_homed: bool,
     pub(super) set_point: Option<Counts>,
     pub(super) status: PortStatus,
+    /// When the status last became another.
+    pub(super) changed: Option<Instant>,
     pub(super) reason: Option<String>,
     /// Where the drives were when they became ready, until the port has taken it.
     pub(super) start: Option<Counts>,
@@ -233,6 +235,9 @@ impl Cycle {
         if status != PortStatus::Ready {
             shared.start = None;
             shared.set_point = None;
+        }
+        if status != self.published {
+            shared.changed = Some(Instant::now());
         }
         self.published = status;
         // what was asked for in the meantime shows until it is dealt with

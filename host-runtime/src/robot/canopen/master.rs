@@ -445,6 +445,9 @@ impl Master {
         for node in &mut self.nodes {
             node.tell_stop();
         }
+        if matches!(self.cause, Some(Cause::HomingLost(_))) && self.not_homed().is_none() {
+            self.cause = Some(Cause::Asked);
+        }
         if let Some(Cause::Fault(name, code)) = &mut self.cause
             && *code == 0
             && let Some(node) = self.nodes.iter_mut().find(|node| node.name == *name)

@@ -14,6 +14,10 @@ use tetrad_core::arm::port::{JointReading, PortError, PortStatus, RobotPort};
 use tetrad_core::arm::puma560::{BeyondCounts, Drives, Joints};
 use tetrad_core::config::{JOINTS, PumaConfig, PumaConfigError};
 
+/// For so long after a fault or a loss nobody can have read what it was: enabling is refused, so that a
+/// program that asks again and again does not reset what nobody has seen.
+const READABLE: Duration = Duration::from_secs(1);
+
 /// Why a CANopen robot could not be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum CanopenError {
@@ -58,12 +62,6 @@ impl CanopenPort {
         let period = Duration::from_micros(u64::from(config.period_us));
         let thread = Some(spawn(master, bus, opener, period, &link).map_err(CanopenError::Open)?);
         Ok(Self { link, thread, drives, gate, last: [0.0; JOINTS] })
-    }
-
-    /// Somebody has seen to it that every joint is homed; needed where the configuration says
-    /// [`Homing::Confirm`](super::Homing::Confirm).
-    pub fn confirm_homed(&self) {
-        self.link.lock().confirm_homed = true;
     }
 
     /// What went over the bus.
@@ -115,10 +113,15 @@ impl RobotPort<f64> for CanopenPort {
 
     fn enable(&mut self) -> Result<(), PortError> {
         let mut shared = self.link.lock();
-        if shared.status != PortStatus::Ready {
-            shared.status = PortStatus::Enabling;
-            shared.request = Some(Request::Enable);
+        let is_new = shared.changed.is_some_and(|at| at.elapsed() < READABLE);
+        match shared.status {
+            PortStatus::Ready => return Ok(()),
+            PortStatus::Fault(fault) if is_new => return Err(PortError::Refused(fault)),
+            PortStatus::Lost if is_new => return Err(PortError::Lost),
+            _ => {}
         }
+        shared.status = PortStatus::Enabling;
+        shared.request = Some(Request::Enable);
         Ok(())
     }
 
@@ -142,6 +145,11 @@ impl RobotPort<f64> for CanopenPort {
 impl Robot for CanopenPort {
     fn reason(&self) -> Option<String> {
         self.link.lock().reason.clone()
+    }
+
+    /// Needed where the configuration says [`Homing::Confirm`](super::Homing::Confirm).
+    fn confirm_homed(&mut self) {
+        self.link.lock().confirm_homed = true;
     }
 
     fn report(&self) -> Vec<String> {
