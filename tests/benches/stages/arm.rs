@@ -10,8 +10,10 @@ use rs_opw_kinematics::kinematic_traits::{Kinematics, Pose as PeerPose};
 use rs_opw_kinematics::kinematics_impl::OPWKinematics;
 use rs_opw_kinematics::parameters::opw_kinematics::Parameters;
 use std::f64::consts::FRAC_PI_2;
+use tetrad_core::arm::governor::Governor;
 use tetrad_core::arm::puma560::{Joints, Policy, Puma560, Recent};
-use tetrad_core::config::PumaConfig;
+use tetrad_core::arm::teleop::Order;
+use tetrad_core::config::{GovernorConfig, PumaConfig};
 use tetrad_core::geometry::Pose;
 use tetrad_core::real::Real;
 
@@ -122,4 +124,47 @@ fn jacobian<T: Real>(bencher: Bencher<'_, '_>) {
     let (arm, poses) = arm::<T>();
     let mut poses = poses.iter().cycle();
     bencher.bench_local(|| poses.next().map(|(_, joints)| arm.jacobian(black_box(joints))));
+}
+
+/// A governor at rest at joints well inside their ranges.
+fn governor<T: Real>(joints: &Joints<f64>) -> (Puma560<T>, Governor<T>) {
+    let arm = Puma560::new(&PumaConfig::default()).expect("the default");
+    let mut governor = Governor::new(&arm, &GovernorConfig::default()).expect("the default");
+    governor.start(&joints.map(T::of)).expect("in range");
+    (arm, governor)
+}
+
+/// Two places between which the arm goes to and fro.
+const TO_AND_FRO: [Joints<f64>; 2] = [[0.3, 1.9, -2.6, 0.4, 0.9, -0.5], [0.6, 1.7, -2.3, 0.5, 0.7, -0.2]];
+
+/// A cycle of the governor on straight ways to and fro.
+#[divan::bench(types = [f32, f64], sample_size = 1000)]
+fn governed<T: Real>(bencher: Bencher<'_, '_>) {
+    let [here, there] = TO_AND_FRO;
+    let (arm, mut governor) = governor::<T>(&here);
+    let orders = [there, here].map(|joints| Order::Follow(arm.forward(&joints.map(T::of))));
+    let mut cycle = 0usize;
+    bencher.bench_local(|| {
+        cycle += 1;
+        governor.step(black_box(&orders[cycle / 50 % 2]), None)
+    });
+}
+
+/// A cycle where the goal is out of the joints' ranges: every way is tried, least squares the last.
+#[divan::bench(types = [f32, f64], sample_size = 1000)]
+fn governed_out_of_range<T: Real>(bencher: Bencher<'_, '_>) {
+    let [here, _] = TO_AND_FRO;
+    let (arm, mut governor) = governor::<T>(&here);
+    let mut beyond = here;
+    beyond[4] = 2.3;
+    let goal = arm.forward(&beyond.map(T::of));
+    let home = arm.forward(&here.map(T::of));
+    let mut cycle = 0usize;
+    bencher.bench_local(|| {
+        cycle += 1;
+        // never at rest: the goal moves a little
+        let mut goal = if cycle % 400 < 40 { home } else { goal };
+        goal.translation.x += T::of((cycle % 100) as f64 * 1e-4);
+        governor.step(black_box(&Order::Follow(goal)), None)
+    });
 }
