@@ -349,7 +349,12 @@ impl Dialogue {
             // whoever asks this was switched on just now, and does not know where its joints are
             self.uncalibrated = true;
         }
-        let following = matches!(self.status, PortStatus::Ready | PortStatus::Stopped | PortStatus::Enabling);
+        let following = match self.status {
+            PortStatus::Ready | PortStatus::Stopped => true,
+            // what comes before the first words is of the time before
+            PortStatus::Enabling => self.pending.is_some(),
+            _ => false,
+        };
         match (self.pending.take(), heard) {
             // after a fault or a loss nothing is answered
             _ if !following => {}

@@ -227,6 +227,19 @@ fn attention_is_asked_for_three_times() {
 }
 
 #[test]
+fn what_came_before_the_first_words_does_not_count_but_a_restart_is_remembered() {
+    let mut talk = Talk::new(&one_line());
+    talk.dialogue.enable();
+    talk.hear(b"VAL-II boot\r\n*x*\xffInitialize (Y/N)?");
+    assert_eq!(talk.dialogue.status(), PortStatus::Enabling);
+    talk.dialogue.begin(talk.now);
+    talk.collect();
+    talk.answer("\r\n*Illegal command*\r\n\r\n.");
+    talk.wait(301);
+    assert_eq!(talk.dialogue.status(), PortStatus::NotHomed);
+}
+
+#[test]
 fn a_restart_is_a_loss_and_then_wants_a_calibration() {
     let mut talk = Talk::ready(&one_line());
     talk.hear(b"\r\nVAL-II\r\n");
