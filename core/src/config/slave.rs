@@ -11,6 +11,9 @@ const MAX_FOLLOWING_RAD: f64 = 1.0;
 /// The longest time that joints may stay unread, microseconds.
 const MAX_BLIND_US: u32 = 1_000_000;
 
+/// The farthest that a goal may be told ahead, microseconds.
+const MAX_LEAD_US: u32 = 500_000;
+
 /// Everything that [`crate::arm::slave`] is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlaveConfig {
@@ -20,6 +23,9 @@ pub struct SlaveConfig {
     pub teleop: TeleopConfig,
     /// The limits.
     pub governor: GovernorConfig,
+    /// How far ahead a goal that moves on is told, microseconds: 1/8 s, by which the default
+    /// [`GovernorConfig::response_per_s`] is late. 0 tells none ahead.
+    pub lead_us: u32,
     /// How far a joint may be measured from where it was last sent, radians, beyond what it can go at
     /// its largest speed in the age of the reading. 0.35 rad (20 degrees): the wrist at its largest
     /// speed behind a servo of 50 ms, and a third more. What is beyond is a joint that is held, slips
@@ -36,6 +42,7 @@ impl Default for SlaveConfig {
             puma: PumaConfig::default(),
             teleop: TeleopConfig::default(),
             governor: GovernorConfig::default(),
+            lead_us: 125_000,
             max_following_rad: 0.35,
             blind_timeout_us: 100_000,
         }
@@ -56,6 +63,8 @@ pub enum SlaveConfigError {
     Following,
     /// The joints may stay unread for 1 us to 1 s.
     Blind,
+    /// A goal may be told at most half a second ahead.
+    Lead,
 }
 
 impl fmt::Display for SlaveConfigError {
@@ -68,6 +77,7 @@ impl fmt::Display for SlaveConfigError {
                 f.write_str("how far the arm may be from its set-point must be above 0 and at most 1 rad")
             }
             Self::Blind => f.write_str("the time for which joints may stay unread must be 1 us to 1 s"),
+            Self::Lead => f.write_str("a goal can be told at most 0.5 s ahead"),
         }
     }
 }
@@ -108,6 +118,9 @@ impl SlaveConfig {
         if !(1..=MAX_BLIND_US).contains(&self.blind_timeout_us) {
             return Err(SlaveConfigError::Blind);
         }
+        if self.lead_us > MAX_LEAD_US {
+            return Err(SlaveConfigError::Lead);
+        }
         Ok(())
     }
 }
@@ -127,6 +140,7 @@ mod tests {
         assert_eq!(SlaveConfig::default().check(), Ok(()));
         assert_eq!(with(|c| c.max_following_rad = f64::NAN), Err(SlaveConfigError::Following));
         assert_eq!(with(|c| c.max_following_rad = 0.0), Err(SlaveConfigError::Following));
+        assert_eq!(with(|c| c.lead_us = 500_001), Err(SlaveConfigError::Lead));
         assert_eq!(with(|c| c.blind_timeout_us = 0), Err(SlaveConfigError::Blind));
         let scale = SlaveConfigError::Teleop(TeleopConfigError::Scale);
         assert_eq!(with(|c| c.teleop.scale = -1.0), Err(scale));

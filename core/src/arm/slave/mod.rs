@@ -12,6 +12,8 @@
 //!   after every loss, fault or stop of the port. In between the set-point is its own: an arm that
 //!   sags does not pull it along.
 //! - An arm that is not where it was sent is stopped at its port; it starts anew from where it is.
+//! - An arm comes to its goal a little late, so a goal that moves on is told a little ahead
+//!   (`lead`), within the same limits.
 //! - While nothing is followed the set-point stands still and is still written, so that a port's
 //!   watchdog tells a station that has died from one that waits.
 
@@ -19,9 +21,12 @@ use super::governor::{Governed, Governor, StartRefusal};
 use super::port::{JointReading, PortStatus};
 use super::puma560::{Joints, Puma560};
 use super::teleop::{ArmCondition, ArmView, Command, CommandRefusal, Counts, Decision, ResetRefusal, Teleop};
-use crate::config::{SlaveConfig, SlaveConfigError};
+use crate::config::{SlaveConfig, SlaveConfigError, TeleopMode};
 use crate::geometry::Pose;
 use crate::real::Real;
+use lead::Lead;
+
+mod lead;
 
 #[cfg(test)]
 mod tests;
@@ -70,6 +75,9 @@ pub struct Slave<T> {
     arm: Puma560<T>,
     teleop: Teleop<T>,
     governor: Governor<T>,
+    lead: Lead<T>,
+    /// When the pictures of the newest command were taken, sender's clock.
+    capture_us: u64,
     /// Where the tool was last sent; `None` while the governor has not started.
     set_point: Option<Pose<T>>,
     refusal: Option<StartRefusal>,
@@ -77,6 +85,7 @@ pub struct Slave<T> {
     read_us: u64,
     max_following: T,
     blind_timeout_us: u64,
+    command_timeout_us: u32,
 }
 
 impl<T: Real> Slave<T> {
@@ -87,15 +96,20 @@ impl<T: Real> Slave<T> {
     pub fn new(config: &SlaveConfig) -> Result<Self, SlaveConfigError> {
         config.check()?;
         let arm = Puma560::new(&config.puma)?;
+        // the paper's law is there to be compared with, as it is
+        let lead_us = if config.teleop.mode == TeleopMode::Paper { 0 } else { config.lead_us };
         Ok(Self {
             arm,
             teleop: Teleop::new(&config.teleop)?,
             governor: Governor::new(&arm, &config.governor)?,
+            lead: Lead::new(lead_us),
+            capture_us: 0,
             set_point: None,
             refusal: None,
             read_us: 0,
             max_following: T::of(config.max_following_rad),
             blind_timeout_us: u64::from(config.blind_timeout_us),
+            command_timeout_us: config.teleop.command_timeout_us,
         })
     }
 
@@ -116,7 +130,9 @@ impl<T: Real> Slave<T> {
     /// # Errors
     /// [`CommandRefusal`]; the command is dropped and counted.
     pub fn take(&mut self, command: &Command) -> Result<(), CommandRefusal> {
-        self.teleop.take(command)
+        self.teleop.take(command)?;
+        self.capture_us = command.capture_us;
+        Ok(())
     }
 
     /// Takes the state of the operator's button ([`Teleop::hold_to_run`]).
@@ -144,8 +160,8 @@ impl<T: Real> Slave<T> {
         let view = self.view(now_us, reading);
         let decision = self.teleop.step(now_us, &view);
         let measured = reading.joints.map(|_| view.measured);
-        let governed =
-            self.set_point.map(|_| self.governor.step(&decision.order, decision.uncertainty.as_ref()));
+        let order = self.lead.ahead(&decision, self.capture_us, self.standing(&decision));
+        let governed = self.set_point.map(|_| self.governor.step(&order, decision.uncertainty.as_ref()));
         self.set_point = governed.map(|governed| governed.pose);
         let order = match governed {
             _ if matches!(view.condition, ArmCondition::Astray | ArmCondition::Blind) => PortOrder::Stop,
@@ -153,6 +169,13 @@ impl<T: Real> Slave<T> {
             None => PortOrder::Nothing,
         };
         SlaveStep { decision, governed, measured, refusal: self.refusal, order }
+    }
+
+    /// How stale the newest command is: 0 up to half of the time for which it stands, 1 at its end.
+    fn standing(&self, decision: &Decision<T>) -> T {
+        let age_us = decision.command_age_us.and_then(|us| u32::try_from(us).ok()).unwrap_or(u32::MAX);
+        let share = T::of(f64::from(age_us) / f64::from(self.command_timeout_us.max(1)));
+        (share * T::of(2.0) - T::one()).max(T::zero())
     }
 
     /// The arm as the law is told of it. A port that has become ready is started at; one that is not

@@ -93,3 +93,39 @@ fn in_paper_mode_the_loss_shows() {
     std::println!("paper mode: {:?} m off in the middle", off[20]);
     assert!(off[20] > 0.01, "{off:?}");
 }
+
+/// A hand that goes at `speed` for two seconds, then stands still: by how many seconds the tool is
+/// behind it at the end of its way, and how far the tool goes beyond it, metres.
+fn behind(lead_us: u32, speed: f64) -> (f64, f64) {
+    let config = SlaveConfig { lead_us, ..SlaveConfig::default() };
+    let mut rig = Rig::<f64>::engaged(&config);
+    let start = rig.tool().translation.y;
+    let mut way = 0.0;
+    for _ in 0..200 {
+        way += speed * 0.01;
+        rig.sender.hand.translation.y = way;
+        rig.cycle();
+    }
+    let behind = (start + way - rig.tool().translation.y) / speed;
+    let mut beyond = 0.0_f64;
+    for _ in 0..200 {
+        rig.cycle();
+        beyond = beyond.max(rig.tool().translation.y - start - way);
+    }
+    let left = rig.tool().translation.y - start - way;
+    assert!(left.abs() < 1e-6, "{left} m from where the hand is");
+    (behind, beyond)
+}
+
+#[test]
+fn a_goal_told_ahead_is_followed_less_late() {
+    for speed in [0.05, 0.1, 0.15] {
+        let (late, without) = behind(0, speed);
+        let (less, beyond) = behind(SlaveConfig::default().lead_us, speed);
+        std::println!(
+            "{speed} m/s: {late:.3} s, told ahead {less:.3} s; {without:.5} and {beyond:.5} m beyond"
+        );
+        assert!(late > 0.12 && less < 0.6 * late && less > 0.0, "{late} {less}");
+        assert!(beyond < 0.05 * speed, "{beyond} m beyond");
+    }
+}
