@@ -23,7 +23,7 @@ pub struct SlaveConfig {
     pub teleop: TeleopConfig,
     /// The limits.
     pub governor: GovernorConfig,
-    /// How far ahead a goal that moves on is told, microseconds: 1/8 s, by which the default
+    /// How far ahead a goal that moves on is told, microseconds. 0.1 s of the 1/8 s by which the default
     /// [`GovernorConfig::response_per_s`] is late. 0 tells none ahead.
     pub lead_us: u32,
     /// How far a joint may be measured from where it was last sent, radians, beyond what it can go at
@@ -42,7 +42,7 @@ impl Default for SlaveConfig {
             puma: PumaConfig::default(),
             teleop: TeleopConfig::default(),
             governor: GovernorConfig::default(),
-            lead_us: 125_000,
+            lead_us: 100_000,
             max_following_rad: 0.35,
             blind_timeout_us: 100_000,
         }
