@@ -18,8 +18,8 @@ mod governor;
 mod puma;
 mod teleop;
 
-use crate::robot::RobotAddress;
 use crate::robot::canopen::CanopenConfig;
+use crate::robot::{AddressError, RobotAddress};
 use governor::GovernorToml;
 use nalgebra::{Matrix3, Rotation3};
 use puma::ArmToml;
@@ -27,21 +27,17 @@ use serde::Deserialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use teleop::TeleopToml;
-use tetrad_core::config::{GovernorConfig, PumaConfig, TeleopConfig};
+use tetrad_core::config::{SlaveConfig, SlaveConfigError};
 
 /// What a slave station and the commands about the arm are set to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ArmSettings {
-    /// The arm.
-    pub puma: PumaConfig,
-    /// The slave's law.
-    pub teleop: TeleopConfig,
-    /// What bounds the motion.
-    pub governor: GovernorConfig,
-    /// Drives on a CAN bus.
-    pub canopen: CanopenConfig,
-    /// Where the arm is; `None` where the file does not say it.
+    /// The arm, the slave's law, its limits.
+    pub slave: SlaveConfig,
+    /// What drives the arm, where the file says so.
     pub port: Option<RobotAddress>,
+    /// The drives of `canopen:` ports.
+    pub canopen: CanopenConfig,
 }
 
 /// Why a file of settings is refused.
@@ -92,6 +88,9 @@ struct FileToml {
 #[serde(deny_unknown_fields)]
 struct SlaveToml {
     port: Option<String>,
+    lead_ms: Option<f64>,
+    max_following_deg: Option<f64>,
+    blind_timeout_ms: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -134,9 +133,9 @@ impl ArmSettings {
     fn checked(file: &FileToml) -> Result<Self, Problem> {
         let mut settings = Self::default();
         if let Some(arm) = &file.arm {
-            settings.puma = arm.config()?;
+            settings.slave.puma = arm.config()?;
         }
-        let mut workspace = settings.teleop.workspace;
+        let mut workspace = settings.slave.teleop.workspace;
         if let Some(corners) = &file.workspace {
             for axis in 0..3 {
                 set(&mut workspace.min_m[axis], corners.min_mm.map(|all| all[axis]), mm);
@@ -144,16 +143,45 @@ impl ArmSettings {
             }
         }
         // also without these tables: a workspace or an arm alone may not go with their defaults
-        settings.teleop = file.teleop.as_ref().unwrap_or(&TeleopToml::default()).config(&workspace)?;
-        settings.governor =
-            file.governor.as_ref().unwrap_or(&GovernorToml::default()).config(&workspace, &settings.puma)?;
+        settings.slave.teleop = file.teleop.as_ref().unwrap_or(&TeleopToml::default()).config(&workspace)?;
+        let puma = settings.slave.puma;
+        settings.slave.governor =
+            file.governor.as_ref().unwrap_or(&GovernorToml::default()).config(&workspace, &puma)?;
         file.canopen.check().map_err(|error| ("[canopen]".to_owned(), error.to_string()))?;
         settings.canopen = file.canopen.clone();
-        if let Some(port) = file.slave.as_ref().and_then(|slave| slave.port.as_ref()) {
-            let address = port.parse().map_err(|error| ("[slave] port".to_owned(), format!("{error}")));
-            settings.port = Some(address?);
+        if let Some(slave) = &file.slave {
+            slave.set(&mut settings)?;
         }
         Ok(settings)
+    }
+}
+
+impl SlaveToml {
+    fn set(&self, settings: &mut ArmSettings) -> Result<(), Problem> {
+        let wrong = |key: &str, error: String| (format!("[slave] {key}"), error);
+        if let Some(port) = &self.port {
+            let address: Result<_, AddressError> = port.parse();
+            settings.port = Some(address.map_err(|error| wrong("port", error.to_string()))?);
+        }
+        let slave = &mut settings.slave;
+        set(&mut slave.max_following_rad, self.max_following_deg, f64::to_radians);
+        for (value, place) in
+            [(self.lead_ms, &mut slave.lead_us), (self.blind_timeout_ms, &mut slave.blind_timeout_us)]
+        {
+            if let Some(ms) = value {
+                // what is negative or none becomes 0, what is too long the longest; the check says which
+                *place = (ms * 1000.0).round() as u32;
+            }
+        }
+        let nothing = |value: Option<f64>| value.is_some_and(|value| value.is_nan() || value < 0.0);
+        match slave.check() {
+            Err(error @ SlaveConfigError::Following) => Err(wrong("max_following_deg", error.to_string())),
+            Err(error @ SlaveConfigError::Blind) => Err(wrong("blind_timeout_ms", error.to_string())),
+            Err(error @ SlaveConfigError::Lead) => Err(wrong("lead_ms", error.to_string())),
+            Ok(()) if nothing(self.lead_ms) => Err(wrong("lead_ms", SlaveConfigError::Lead.to_string())),
+            // the other tables have been checked by themselves
+            Ok(()) | Err(_) => Ok(()),
+        }
     }
 }
 

@@ -105,8 +105,8 @@ pub(super) fn run(args: &ArmArgs) -> Result<(), Failure> {
 impl KinematicsArgs {
     fn arm(&self) -> Result<Puma560<f64>, Failure> {
         let mut puma = match &self.config {
-            Some(file) => ArmSettings::load(file).or_exit(Exit::BadArguments)?.puma,
-            None => ArmSettings::default().puma,
+            Some(file) => ArmSettings::load(file).or_exit(Exit::BadArguments)?.slave.puma,
+            None => ArmSettings::default().slave.puma,
         };
         match self.tool {
             Some(Tool::Flange) => puma.tool = tetrad_core::config::PumaConfig::default().tool,

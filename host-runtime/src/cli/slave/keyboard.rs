@@ -26,6 +26,8 @@ pub(super) enum Key {
     Stop,
     /// End a stop or a fault.
     Reset,
+    /// The joints are homed.
+    Homed,
     /// End the program.
     Quit,
 }
@@ -111,6 +113,7 @@ impl Keyboard {
             (KeyCode::Char('c' | 'q'), _) if control => Key::Quit,
             (KeyCode::Char('q'), _) => Key::Quit,
             (KeyCode::Char('r'), _) => Key::Reset,
+            (KeyCode::Char('h'), _) => Key::Homed,
             // whatever else is struck in a fright
             _ => Key::Stop,
         };
@@ -176,6 +179,7 @@ mod tests {
             (KeyCode::Esc, Key::Stop),
             (KeyCode::Enter, Key::Stop),
             (KeyCode::Char('r'), Key::Reset),
+            (KeyCode::Char('h'), Key::Homed),
             (KeyCode::Char('q'), Key::Quit),
         ] {
             let mut keyboard = keyboard();

@@ -15,7 +15,7 @@ use super::interrupt::Interrupt;
 use super::{make_dir, note, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::output::ArmCsv;
-use crate::robot::{self, RobotAddress, RobotError};
+use crate::robot::{self, RobotAddress, RobotError, RobotKind};
 use crate::settings::arm::ArmSettings;
 use crate::station::{Cycle, EnableThenReset, SlaveStation};
 use clap::{Args, ValueEnum};
@@ -26,7 +26,6 @@ use std::time::{Duration, Instant};
 use talk::Talk;
 use tetrad_core::arm::port::PortStatus;
 use tetrad_core::arm::teleop::{Counts, State};
-use tetrad_core::config::SlaveConfig;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -38,7 +37,8 @@ Examples:
     tetrad slave --config tetrad.toml --packets -
 
 On the terminal: r resets (after the start, a stop or a fault), the space bar moves the arm while it is
-held, any other key stops it, q ends the program.
+held, any other key stops it, q ends the program. Where drives cannot tell that their joints are homed
+(homing = 'confirm'), h says so.
 
 URL is sim: (a simulated PUMA 560), dry-run:FILE (set-points into a CSV file), and what
 `tetrad slave --help` lists besides. With --out, DIR gets arm.csv: state, set-points, joints.";
@@ -111,13 +111,12 @@ pub(super) fn run(args: &SlaveArgs) -> Result<(), Failure> {
         None => None,
     };
     let packets = Packets::open(&origin(&args.packets))?;
-    let port = robot::open(&address, &settings.puma, &settings.canopen).map_err(not_opened)?;
-    let config = SlaveConfig {
-        puma: settings.puma,
-        teleop: settings.teleop,
-        governor: settings.governor,
-        ..SlaveConfig::default()
-    };
+    let mut config = settings.slave;
+    if matches!(address.kind(), RobotKind::Canopen(_)) {
+        // the limits go at the rate of the drives
+        config.governor.cycle_us = settings.canopen.period_us;
+    }
+    let port = robot::open(&address, &config.puma, &settings.canopen).map_err(not_opened)?;
     let station = SlaveStation::new(&config, port).or_exit(Exit::BadArguments)?;
     let keyboard = match args.hold_to_run {
         HoldToRun::Keyboard => Some(Keyboard::open().map_err(no_keyboard)?),
@@ -125,7 +124,7 @@ pub(super) fn run(args: &SlaveArgs) -> Result<(), Failure> {
     };
     let interrupt = Interrupt::listen()?;
     let began = Instant::now();
-    let cycle = Duration::from_micros(u64::from(settings.governor.cycle_us));
+    let cycle = Duration::from_micros(u64::from(config.governor.cycle_us));
     let mut run = Run {
         station,
         packets,
@@ -263,6 +262,7 @@ impl Run {
                     self.station.stop();
                     self.reset_until = None;
                 }
+                Ok(Some(Key::Homed)) => self.station.confirm_homed(),
                 Ok(Some(Key::Reset)) => self.reset_until = Some(now + SWITCH_ON),
                 Ok(None) => break,
                 Err(cause) => {

@@ -1,6 +1,6 @@
 use super::*;
 use nalgebra::Vector3;
-use tetrad_core::config::{TeleopMode, Turning};
+use tetrad_core::config::{GovernorConfig, TeleopConfig, TeleopMode, Turning};
 
 fn parse(text: &str) -> Result<ArmSettings, ArmSettingsError> {
     ArmSettings::parse(text, "tetrad.toml")
@@ -27,19 +27,19 @@ fn the_documented_file_is_the_default() {
     let settings = parse(&text).unwrap();
     let default = ArmSettings { port: Some(RobotAddress::default()), ..ArmSettings::default() };
     assert_eq!(settings.port, default.port);
-    assert_eq!(settings.puma.tool, default.puma.tool);
+    assert_eq!(settings.slave.puma.tool, default.slave.puma.tool);
     assert_eq!(
-        settings.teleop,
-        TeleopConfig { max_lead_rad: settings.teleop.max_lead_rad, ..default.teleop }
+        settings.slave.teleop,
+        TeleopConfig { max_lead_rad: settings.slave.teleop.max_lead_rad, ..default.slave.teleop }
     );
-    assert!((settings.teleop.max_lead_rad - default.teleop.max_lead_rad).abs() < 1e-3);
-    for (a, b) in settings.puma.joints.iter().zip(&default.puma.joints) {
+    assert!((settings.slave.teleop.max_lead_rad - default.slave.teleop.max_lead_rad).abs() < 1e-3);
+    for (a, b) in settings.slave.puma.joints.iter().zip(&default.slave.puma.joints) {
         assert!((a.min_rad - b.min_rad).abs() < 1e-12 && (a.max_rad - b.max_rad).abs() < 1e-12);
         // the file has tenths of a degree
         assert!((a.max_speed_rad_s - b.max_speed_rad_s).abs() < 1e-3);
     }
-    assert_governor_is_near(&settings.governor, &default.governor);
-    let (a, b) = (settings.puma.lengths, default.puma.lengths);
+    assert_governor_is_near(&settings.slave.governor, &default.slave.governor);
+    let (a, b) = (settings.slave.puma.lengths, default.slave.puma.lengths);
     for (a, b) in [(a.base_m, b.base_m), (a.offset_m, b.offset_m), (a.elbow_m, b.elbow_m)] {
         assert!((a - b).abs() < 1e-12);
     }
@@ -78,18 +78,21 @@ fn units_are_those_of_the_keys() {
          [slave]\nport = \"sim:?seed=4\"\n",
     )
     .unwrap();
-    assert!((settings.puma.lengths.forearm_m - 0.433).abs() < 1e-15);
-    assert!((settings.puma.joints[5].max_speed_rad_s - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
-    assert!((settings.puma.tool.translation - Vector3::new(0.001, 0.002, 0.003)).amax() < 1e-15);
+    assert!((settings.slave.puma.lengths.forearm_m - 0.433).abs() < 1e-15);
+    assert!((settings.slave.puma.joints[5].max_speed_rad_s - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+    assert!((settings.slave.puma.tool.translation - Vector3::new(0.001, 0.002, 0.003)).amax() < 1e-15);
     // yaw turns x to y; roll turns y to z
-    assert!((settings.puma.tool.rotation * Vector3::x() - Vector3::y()).amax() < 1e-15);
-    assert!((settings.teleop.robot_from_hand * Vector3::y() - Vector3::z()).amax() < 1e-15);
-    assert_eq!((settings.teleop.mode, settings.teleop.turning), (TeleopMode::Paper, Turning::Locked));
-    assert_eq!(settings.teleop.workspace.min_m, [0.1, -0.2, 0.05]);
-    assert_eq!(settings.governor.workspace, settings.teleop.workspace);
-    assert_eq!(settings.teleop.resume_us, 600_000);
-    assert_eq!(settings.governor.max_tool_speed_m_s, 0.25);
-    assert!(settings.governor.passages.elbow && !settings.governor.passages.shoulder);
+    assert!((settings.slave.puma.tool.rotation * Vector3::x() - Vector3::y()).amax() < 1e-15);
+    assert!((settings.slave.teleop.robot_from_hand * Vector3::y() - Vector3::z()).amax() < 1e-15);
+    assert_eq!(
+        (settings.slave.teleop.mode, settings.slave.teleop.turning),
+        (TeleopMode::Paper, Turning::Locked)
+    );
+    assert_eq!(settings.slave.teleop.workspace.min_m, [0.1, -0.2, 0.05]);
+    assert_eq!(settings.slave.governor.workspace, settings.slave.teleop.workspace);
+    assert_eq!(settings.slave.teleop.resume_us, 600_000);
+    assert_eq!(settings.slave.governor.max_tool_speed_m_s, 0.25);
+    assert!(settings.slave.governor.passages.elbow && !settings.slave.governor.passages.shoulder);
     assert_eq!(settings.port.unwrap().to_string(), "sim:?seed=4");
 }
 
@@ -138,4 +141,17 @@ fn values_that_cannot_be_are_named_by_table_and_key() {
 fn a_file_that_cannot_be_read_is_named() {
     let error = ArmSettings::load(Path::new("/nowhere/tetrad.toml")).unwrap_err();
     assert_eq!(error.to_string(), "cannot read /nowhere/tetrad.toml");
+}
+
+#[test]
+fn the_slave_table_has_its_own_keys() {
+    let settings = parse("[slave]\nlead_ms = 0\nmax_following_deg = 10\nblind_timeout_ms = 50\n").unwrap();
+    assert_eq!((settings.slave.lead_us, settings.slave.blind_timeout_us), (0, 50_000));
+    assert!((settings.slave.max_following_rad - 10.0_f64.to_radians()).abs() < 1e-15);
+    refused("[slave]\nlead_ms = 501\n", "[slave] lead_ms");
+    refused("[slave]\nlead_ms = -1\n", "[slave] lead_ms");
+    refused("[slave]\nlead_ms = nan\n", "[slave] lead_ms");
+    refused("[slave]\nmax_following_deg = 0\n", "[slave] max_following_deg");
+    refused("[slave]\nblind_timeout_ms = 0\n", "[slave] blind_timeout_ms");
+    refused("[slave]\nprot = 'sim:'\n", "prot");
 }
