@@ -49,6 +49,12 @@ pub trait Robot: RobotPort<f64> + Send {
         None
     }
 
+    /// The share of the joints' speeds that set-points may use: less than 1 where the controller itself
+    /// goes slower, so that the arm can follow.
+    fn speed_share(&self) -> f64 {
+        1.0
+    }
+
     /// Somebody vouches for it that every joint is homed: for controllers that cannot tell by themselves.
     /// Without effect on others.
     fn confirm_homed(&mut self) {}

@@ -46,8 +46,8 @@ URL is sim: (a simulated PUMA 560), dry-run:FILE (set-points into a CSV file), a
 /// How long the end of the run waits for the arm to be at rest.
 const REST: Duration = Duration::from_secs(3);
 
-/// How long an arm may take to be switched on.
-const SWITCH_ON: Duration = Duration::from_secs(30);
+/// How long an arm may take to be switched on: one that calibrates itself goes slowly from joint to joint.
+const SWITCH_ON: Duration = Duration::from_secs(150);
 
 /// How long hold-to-run is told to be released before nobody's button is pressed.
 const RELEASED: Duration = Duration::from_millis(200);
@@ -117,6 +117,7 @@ pub(super) fn run(args: &SlaveArgs) -> Result<(), Failure> {
         config.governor.cycle_us = settings.canopen.period_us;
     }
     let port = robot::open(&address, &config.puma, &settings.canopen).map_err(not_opened)?;
+    config.governor.speed_share = config.governor.speed_share.min(port.speed_share());
     let station = SlaveStation::new(&config, port).or_exit(Exit::BadArguments)?;
     let keyboard = match args.hold_to_run {
         HoldToRun::Keyboard => Some(Keyboard::open().map_err(no_keyboard)?),

@@ -101,8 +101,8 @@ impl Val2Port {
         format!(
             "VAL II at {}: the arm follows slowly. At {baud} baud with dialect={name} it takes about {most:.0} \
              points a second at best and makes a move of its own of each; set-points between are left out. \
-             It goes at SPEED {speed}: keep the slave's speed limits at or below {speed} % of the joints' top \
-             speeds, or the arm falls behind and set-points are refused. A stop waits for the move under way: \
+             It goes at SPEED {speed}, and the slave keeps below that share of the joints' top speeds. A stop \
+             waits for the move under way: \
              keep the arm's emergency stop at hand.",
             self.device
         )
@@ -177,6 +177,11 @@ impl Robot for Val2Port {
 
     fn notice(&self) -> Option<String> {
         Some(Self::notice(self))
+    }
+
+    /// What SPEED leaves, and a tenth less: each move is accelerated and braked by itself.
+    fn speed_share(&self) -> f64 {
+        f64::from(self.config.speed) / 100.0 * 0.9
     }
 
     fn report(&self) -> Vec<String> {
