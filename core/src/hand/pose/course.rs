@@ -85,7 +85,8 @@ impl Course {
     /// A hand at rest.
     #[must_use]
     pub fn new(pose: Pose, covariance: Matrix6<f32>, t_us: u64) -> Self {
-        let weight = reliability(&covariance) * FIRST_WEIGHT;
+        let (_, weight) = excess(&Vector6::zeros(), &covariance, 0.0);
+        let weight = weight * FIRST_WEIGHT;
         Self {
             pose,
             covariance,
@@ -131,10 +132,10 @@ impl Course {
             let regular = self.interval_s > 0.0 && s < 1.5 * self.interval_s;
             if regular {
                 let lateness = s * s * (0.5 + LAG_FRAMES);
-                let excess = mean_squares(&surprise) - variances(noise) * NOISE_OF_SURPRISE;
-                let weight = reliability(noise);
-                self.acceleration.add(excess / (lateness * lateness), weight);
-                self.speed.add(mean_squares(&measured) - variances(noise) * (2.0 / (s * s)), weight);
+                let (of_surprise, weight) = excess(&surprise, noise, NOISE_OF_SURPRISE);
+                self.acceleration.add(of_surprise / (lateness * lateness), weight);
+                let (of_measured, weight) = excess(&measured, noise, 2.0 / (s * s));
+                self.speed.add(of_measured, weight);
             }
             let newest = if regular { NEWEST } else { 1.0 };
             self.velocity += (measured - self.velocity) * newest;
@@ -178,21 +179,26 @@ impl Course {
     }
 }
 
-/// The mean square along an axis of translation and of turn.
-fn mean_squares(v: &Vector6<f32>) -> Vector2<f32> {
-    let [x, y, z, wx, wy, wz] = (*v).into();
-    Vector2::new(x * x + y * y + z * z, wx * wx + wy * wy + wz * wz) / 3.0
+/// What is left of the mean square along an axis, of translation and of turn, when `share` times the
+/// noise is taken off, and its weight.
+///
+/// For `E[v v'] = share N + a^2 1` the best estimate of a small `a^2` weighs the directions by `N^-2`:
+/// one camera's depth is ten times noisier than what it sees across, and says a hundredth of what that
+/// says about squares of a size with its own.
+fn excess(v: &Vector6<f32>, noise: &Matrix6<f32>, share: f32) -> (Vector2<f32>, Vector2<f32>) {
+    let (of_t, weight_t) =
+        excess_of(&v.fixed_rows::<3>(0).into(), &noise.fixed_view::<3, 3>(0, 0).into(), share);
+    let (of_w, weight_w) =
+        excess_of(&v.fixed_rows::<3>(3).into(), &noise.fixed_view::<3, 3>(3, 3).into(), share);
+    (Vector2::new(of_t, of_w), Vector2::new(weight_t, weight_w))
 }
 
-/// The mean variance along an axis of translation and of turn.
-fn variances(c: &Matrix6<f32>) -> Vector2<f32> {
-    Vector2::new(c.m11 + c.m22 + c.m33, c.m44 + c.m55 + c.m66) / 3.0
-}
-
-/// The weight of what is told from a measured pose: one camera's depth is ten times noisier than
-/// two cameras', and says a hundredth of what they say about squares of a size with its own.
-fn reliability(noise: &Matrix6<f32>) -> Vector2<f32> {
-    variances(noise).map(|variance| 1.0 / (variance * variance).max(LEAST_VARIANCE * LEAST_VARIANCE))
+fn excess_of(v: &Vector3<f32>, noise: &Matrix3<f32>, share: f32) -> (f32, f32) {
+    let floored = noise + Matrix3::identity() * LEAST_VARIANCE;
+    let Some(information) = floored.try_inverse() else { return (0.0, 0.0) };
+    let weight = information.norm_squared() / 3.0;
+    let weighed = (information * v).norm_squared() - share * information.trace();
+    (weighed / (3.0 * weight), weight)
 }
 
 /// A translation and a turn in other axes.
