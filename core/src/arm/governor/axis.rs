@@ -16,7 +16,7 @@ use crate::real::Real;
 
 /// Steps of a stop that are followed. [`crate::config::GovernorConfig::check`] lets no joint take
 /// longer than 2 s, 2,000 cycles at 1000 Hz; roundings at the end may add some.
-const MAX_STOP_CYCLES: u32 = 2_100;
+pub(super) const MAX_STOP_CYCLES: u32 = 2_100;
 
 /// Halvings between the stop and what is wished for.
 const HALVINGS: u32 = 4;
@@ -83,7 +83,9 @@ impl<T: Real> Bounds<T> {
         let a = self.acceleration;
         // a^2 / 2 J: half of the speed that building up takes away
         let build_up = a * a * self.cycle / (self.jerk_cycle + self.jerk_cycle);
-        (build_up * build_up + (a + a) * way).sqrt() - build_up
+        let gained = (a + a) * way;
+        // the difference of root and build-up, written so that little way is not lost in rounding
+        gained / ((build_up * build_up + gained).sqrt() + build_up)
     }
 }
 
@@ -98,7 +100,7 @@ impl<T: Real> Axis<T> {
     }
 
     /// One cycle later with this acceleration.
-    fn moved(&self, acceleration: T, bounds: &Bounds<T>) -> Self {
+    pub(super) fn moved(&self, acceleration: T, bounds: &Bounds<T>) -> Self {
         let mut speed = self.speed + acceleration * bounds.cycle;
         // what rounding leaves of a speed that was to be 0
         if speed.abs() <= T::EPSILON * T::of(16.0) * bounds.speed {
@@ -152,13 +154,18 @@ impl<T: Real> Axis<T> {
 
     /// Whether a stop cannot come near to the ends: greatest speed times longest time.
     fn is_far_from_ends(&self, bounds: &Bounds<T>, span: Span<T>) -> bool {
+        let way = self.farthest_stop(bounds);
+        self.angle - way >= span.min && self.angle + way <= span.max
+    }
+
+    /// More than it goes until it is stopped, radians: greatest speed times longest time.
+    pub(super) fn farthest_stop(&self, bounds: &Bounds<T>) -> T {
         let per_jerk = bounds.cycle / bounds.jerk_cycle;
         let turning = self.acceleration.abs() * per_jerk + bounds.cycle;
         let fastest = self.speed.abs() + self.acceleration.abs() * turning;
         let build_up = (bounds.acceleration + bounds.acceleration) * per_jerk;
         let time = turning + fastest / bounds.acceleration + build_up + bounds.cycle * T::of(4.0);
-        let way = fastest * time;
-        self.angle - way >= span.min && self.angle + way <= span.max
+        fastest * time
     }
 
     /// The speed that it comes to when its acceleration is taken away as fast as jerk allows.
@@ -169,17 +176,6 @@ impl<T: Real> Axis<T> {
     /// The same after a cycle with this acceleration.
     pub(super) fn peak_speed_with(&self, acceleration: T, bounds: &Bounds<T>) -> T {
         self.speed + acceleration * bounds.cycle + bounds.still_to_come(acceleration)
-    }
-
-    /// About how far it still goes if it is stopped now, radians: as from the speed that it is bound for,
-    /// without acceleration, and what it goes until then.
-    pub(super) fn stop_way(&self, bounds: &Bounds<T>) -> T {
-        let half = T::of(0.5);
-        let peak = self.peak_speed(bounds);
-        let build_up = bounds.acceleration * bounds.cycle / bounds.jerk_cycle;
-        let turning = self.acceleration.abs() * bounds.cycle / bounds.jerk_cycle + bounds.cycle;
-        let quick = (peak.abs() / bounds.acceleration).min(build_up);
-        (self.speed + peak) * half * turning + peak * half * (peak.abs() / bounds.acceleration + quick)
     }
 
     fn stops_within(&self, bounds: &Bounds<T>, span: Span<T>) -> bool {

@@ -45,6 +45,13 @@ impl<T: Real> Bounded<T> {
         }
     }
 
+    /// How far a place is out of the box, metres; 0 where it is in.
+    pub(super) fn out(&self, place: &Vector3<T>) -> T {
+        let sides = self.min.iter().zip(self.max.iter());
+        let out = place.iter().zip(sides).map(|(x, (min, max))| (*min - *x).max(*x - *max));
+        out.fold(T::zero(), |most, out| most.max(out))
+    }
+
     /// The goal in the box and within reach, its orientation kept.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! How fast along the way: one factor for all joints, so that the tool keeps to it.
 
 use super::axis::{Bounds, Span};
+use super::fence::OVER_FACE_M;
 use super::goal::Bounded;
 use super::limits::{Limit, Limits};
 use super::way::{Kind, Way};
@@ -8,15 +9,19 @@ use crate::arm::puma560::{Jacobian, Joints, Puma560, Singularities};
 use crate::arm::teleop::Uncertainty;
 use crate::config::{AllowedPassages, GovernorConfig, JOINTS, SlowedByUncertainty};
 use crate::real::Real;
-use nalgebra::{Vector3, Vector6};
+use nalgebra::{Cholesky, Matrix3, Vector3, Vector6};
 
 /// The share of its speed that a joint is asked for at most: what would just exceed it by rounding
 /// would be refused by the step.
 const SPEED_ASKED: f64 = 0.999;
 
 /// The same of the tool, whose speed no step refuses: joints that change their speeds at different
-/// times make it a little faster than it is asked to be.
+/// times make it faster than it is asked to be. See [`super`] for by how much.
 const TOOL_SPEED_ASKED: f64 = 0.92;
+
+/// Joints that work against each other do not change their speeds alike: so much of what each does
+/// alone is counted to the speed of the tool.
+const WORKING_AGAINST: f64 = 0.15;
 
 /// The share of the stopping speed that is used to come to rest at the goal, and to stay away from the
 /// ends: the rest is for the lag of speeds behind what is asked.
@@ -28,8 +33,11 @@ const WAITING_SHARE: f64 = 0.05;
 /// What slows by less than this is not told.
 const TOLD_SHARE: f64 = 0.98;
 
-/// How far a stop may lead out of the workspace before all joints are stopped, metres.
-const OVER_EDGE_M: f64 = 0.002;
+/// How often the faces are gone through in one cycle.
+const FACE_ROUNDS: usize = 3;
+
+/// Relative to joints that move the tool by a metre a radian: where two faces cannot both be kept to.
+const FACE_DAMPING: f64 = 1e-6;
 
 /// A correction at the edge of the workspace is told from this speed on, m/s.
 const TOLD_SPEED_M_S: f64 = 0.001;
@@ -54,8 +62,6 @@ pub(super) struct Stance<'a, T> {
     pub(super) jacobian: &'a Jacobian<T>,
     /// The speeds that the joints come to by the acceleration that they have.
     pub(super) bound_for: &'a Joints<T>,
-    /// About how far they still go if they are stopped now, radians.
-    pub(super) stop_way: &'a Joints<T>,
     pub(super) bounds: &'a [Bounds<T>; JOINTS],
     pub(super) ranges: &'a [Span<T>; JOINTS],
     pub(super) edges: &'a Bounded<T>,
@@ -68,6 +74,8 @@ pub(super) struct Paced<T> {
     pub(super) speeds: Joints<T>,
     /// How fast the tool is, beside how fast it might be if nothing but its own speed limited it.
     pub(super) share: T,
+    /// Something had to be taken away for the tool to stay in the workspace.
+    pub(super) at_face: bool,
 }
 
 /// Limits of the common factor and their names.
@@ -107,7 +115,7 @@ impl<T: Real> Pace<T> {
     ) -> Paced<T> {
         let mut left = way.left;
         self.keep_outside_joints_from_leaving(&mut left, now);
-        let tool = tool_speed(now.jacobian, &left).norm();
+        let tool = tool_speed(now.jacobian, &left);
         let known = self.known_share(uncertainty, limits);
         let ideal = per(self.tool_speed, tool).min(self.response);
         let mut share = known;
@@ -125,11 +133,14 @@ impl<T: Real> Pace<T> {
             }
         }
         // the tool as fast as it is bound to be: what is too much of it is asked back three times
-        let fast = (tool_speed(now.jacobian, now.bound_for).norm() / self.tool_speed).max(T::one());
+        let fast = (tool_speed(now.jacobian, now.bound_for) / self.tool_speed).max(T::one());
         let mut speeds = left.map(|way| way * factor.least / (fast * fast * fast));
         self.keep_from_ends(&mut speeds, now);
-        self.keep_in_box(&mut speeds, way.kind, now, limits);
-        Paced { speeds, share: (factor.least / ideal).min(T::one()) }
+        let at_face = self.keep_in_box(&mut speeds, way.kind, now);
+        if at_face {
+            limits.add(Limit::WorkspaceEdge);
+        }
+        Paced { speeds, share: (factor.least / ideal).min(T::one()), at_face }
     }
 
     fn keep_outside_joints_from_leaving(&self, left: &mut Joints<T>, now: &Stance<'_, T>) {
@@ -252,47 +263,46 @@ impl<T: Real> Pace<T> {
         share
     }
 
-    /// Whether the tool is on its way out of the box so fast that only stopping all joints now, or
-    /// about now, keeps it in.
-    pub(super) fn leaves_box(&self, now: &Stance<'_, T>) -> bool {
-        let mut stopped = *now.joints;
-        for (angle, way) in stopped.iter_mut().zip(now.stop_way) {
-            *angle += *way;
-        }
-        let stopped = now.arm.forward(&stopped).translation;
-        let over = T::of(OVER_EDGE_M);
-        let sides = now.edges.min.iter().zip(now.edges.max.iter());
-        now.place.iter().zip(stopped.iter()).zip(sides).any(|((place, stopped), (min, max))| {
-            // one that is out already may come back
-            let moved = *stopped - *place;
-            let moves = over * T::of(0.1);
-            (moved > moves && *stopped > *max + over) || (moved < -moves && *stopped < *min - over)
-        })
-    }
-
-    /// Takes away what would carry the tool out of the box, by as little of the joints as does it.
-    fn keep_in_box(&self, speeds: &mut Joints<T>, kind: Kind, now: &Stance<'_, T>, limits: &mut Limits) {
+    /// Takes away what would carry the tool out of the workspace, by as little of the joints as does it.
+    /// Whether it was worth telling.
+    fn keep_in_box(&self, speeds: &mut Joints<T>, kind: Kind, now: &Stance<'_, T>) -> bool {
         // the straight way to a goal in the box does not lead out of it
         let response = if kind == Kind::Straight { self.response } else { self.response * T::of(0.5) };
         // what is out is asked back, gently
         let back = -self.tool_speed * self.creep;
-        let sides = now.place.iter().zip(now.edges.min.iter().zip(now.edges.max.iter()));
-        for (row, (place, (min, max))) in now.jacobian.row_iter().zip(sides) {
-            let row = row.transpose();
-            let asked = row.dot(&Vector6::from(*speeds));
-            let upwards = ((*max - *place) * response).max(back);
-            let downwards = ((*place - *min) * response).max(back);
-            let over = asked - asked.min(upwards).max(-downwards);
-            let size = row.norm_squared();
-            if over == T::zero() || size <= T::SLACK {
-                continue;
+        let rows = now.jacobian.fixed_rows::<3>(0).into_owned();
+        let mut wished = Vector6::from(*speeds);
+        let out = now.edges.out(now.place) / T::of(OVER_FACE_M);
+        let sides = now.edges.min.zip_zip_map(&now.edges.max, now.place, |min, max, place| {
+            (((place - min) * response).max(back), ((max - place) * response).max(back))
+        });
+        let bounded = |speeds: &Vector3<T>| {
+            speeds.zip_map(&sides, |speed, (down, up)| speed - speed.min(up).max(-down))
+        };
+        if out > T::zero() && bounded(&(rows * wished)) != Vector3::zeros() {
+            // along the face the slower the nearer to the fence
+            wished *= (T::one() - out).max(self.creep);
+        }
+        let asked = rows * wished;
+        let over = bounded(&asked);
+        let told = over.iter().any(|over| over.abs() > T::of(TOLD_SPEED_M_S));
+        // what one face takes away another may ask back: all of them at once that were met so far
+        let mut met = Vector3::zeros();
+        let mut kept = wished;
+        for _ in 0..FACE_ROUNDS {
+            let beyond = bounded(&(rows * kept));
+            if beyond.iter().all(|beyond| beyond.abs() <= T::SLACK) {
+                break;
             }
-            if over.abs() > T::of(TOLD_SPEED_M_S) {
-                limits.add(Limit::WorkspaceEdge);
-            }
-            for (speed, share) in speeds.iter_mut().zip(row.iter()) {
-                *speed -= *share * (over / size);
-            }
+            met = met.zip_map(&beyond, |met, beyond| if beyond == T::zero() { met } else { T::one() });
+            let active = Matrix3::from_diagonal(&met) * rows;
+            let damping = Matrix3::identity() * T::SLACK.max(T::of(FACE_DAMPING));
+            let target = bounded(&asked).component_mul(&met);
+            let Some(inverse) = Cholesky::new(active * active.transpose() + damping) else { break };
+            kept = wished - active.tr_mul(&inverse.solve(&target));
+        }
+        for (speed, kept) in speeds.iter_mut().zip(kept.iter()) {
+            *speed = *kept;
         }
         let mut most = T::one();
         for (speed, bounds) in speeds.iter().zip(now.bounds) {
@@ -301,6 +311,7 @@ impl<T: Real> Pace<T> {
         if most > T::one() {
             *speeds = speeds.map(|speed| speed / most);
         }
+        told
     }
 }
 
@@ -309,7 +320,16 @@ fn per<T: Real>(most: T, size: T) -> T {
     if size > T::zero() { most / size } else { T::of(1e12) }
 }
 
-fn tool_speed<T: Real>(jacobian: &Jacobian<T>, speeds: &Joints<T>) -> Vector3<T> {
-    let twist = jacobian * Vector6::from(*speeds);
-    Vector3::new(twist.x, twist.y, twist.z)
+/// How fast the tool goes at these speeds of the joints, m/s, and some of what it would gain if those
+/// joints stopped first that now work against others.
+fn tool_speed<T: Real>(jacobian: &Jacobian<T>, speeds: &Joints<T>) -> T {
+    let rows = jacobian.fixed_rows::<3>(0);
+    let (mut sum, mut alone) = (Vector3::zeros(), T::zero());
+    for (column, speed) in rows.column_iter().zip(speeds) {
+        let by_this = column * *speed;
+        sum += by_this;
+        alone += by_this.norm();
+    }
+    let together = sum.norm();
+    together + (alone - together) * T::of(WORKING_AGAINST)
 }

@@ -48,6 +48,13 @@ pub(super) struct Way<T> {
     pub(super) kind: Kind,
 }
 
+impl<T: Real> Way<T> {
+    /// Whether no joint has far to go any more.
+    pub(super) fn is_nearly_gone(&self) -> bool {
+        self.left.iter().all(|left| left.abs() <= T::of(NEARLY_RAD))
+    }
+}
+
 /// What does not change from cycle to cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ways<T> {
@@ -69,6 +76,8 @@ pub(super) struct Situation<'a, T> {
     pub(super) passages: AllowedPassages,
     /// Whether the joints' way was taken up and is not at its end yet.
     pub(super) by_joints: bool,
+    /// By way of these, if so.
+    pub(super) via: Option<Joints<T>>,
 }
 
 impl<T: Real> Ways<T> {
@@ -95,12 +104,13 @@ impl<T: Real> Ways<T> {
             }
         }
         if let Some(target) = self.solution(now.goal, now.recent, now.posture) {
-            let left = difference(&target, joints);
-            let to_the_end = left.iter().all(|left| left.abs() <= T::of(NEARLY_RAD));
-            if !to_the_end {
+            let left = difference(&now.via.unwrap_or(target), joints);
+            let mut way = Way { left, to_the_end: false, kind: Kind::ByJoints };
+            way.to_the_end = now.via.is_none() && way.is_nearly_gone();
+            if !way.to_the_end {
                 limits.add(Limit::AnotherWay);
             }
-            return Way { left, to_the_end, kind: Kind::ByJoints };
+            return way;
         }
         // the way by the joints may end where the goal moved out of reach
         let refusal = refusal.or_else(|| self.arm.choose(now.goal, now.recent, &policy).err());

@@ -12,6 +12,12 @@ mod following;
 
 mod orders;
 
+mod workspace;
+
+/// How much faster than it may be the tool gets at most while goals jump and stops come in
+/// between: steered, not proved. On straight ways it is 1.1 (`following`).
+const TOOL_SPEED_OVER: f64 = 1.4;
+
 /// The differences of the set-points so far, in double precision.
 pub(super) struct Checked<T> {
     pub(super) governor: Governor<T>,
@@ -21,6 +27,8 @@ pub(super) struct Checked<T> {
     speeds: Joints<f64>,
     accelerations: Joints<f64>,
     place: Vector3<f64>,
+    /// Whether it was in the box at the start.
+    is_held: bool,
     /// The farthest out of the box that the tool was, metres, and the fastest, m/s.
     pub(super) out_m: f64,
     pub(super) fastest_m_s: f64,
@@ -46,11 +54,17 @@ impl<T: Real> Checked<T> {
             speeds: [0.0; JOINTS],
             accelerations: [0.0; JOINTS],
             place: governor.pose.translation.map(T::to_f64),
+            is_held: true,
             out_m: 0.0,
             fastest_m_s: 0.0,
             cycles: 0,
             changes: 0,
         }
+    }
+
+    /// The same, outside of the box.
+    pub(super) fn unheld(config: &GovernorConfig, joints: &Joints<f64>) -> Self {
+        Self { is_held: false, ..Self::new(config, joints) }
     }
 
     pub(super) fn follow(&mut self, goal: &Pose<T>) -> Governed<T> {
@@ -100,6 +114,11 @@ impl<T: Real> Checked<T> {
         for i in 0..3 {
             self.out_m = self.out_m.max(w.min_m[i] - place[i]).max(place[i] - w.max_m[i]);
         }
+        let most = self.config.max_tool_speed_m_s * TOOL_SPEED_OVER;
+        assert!(self.fastest_m_s <= most, "{} m/s: {governed:?}", self.fastest_m_s);
+        // a place is rounded, too
+        let over = fence::OVER_FACE_M + 16.0 * T::EPSILON.to_f64();
+        assert!(!self.is_held || self.out_m <= over, "{} m out of the box: {governed:?}", self.out_m);
         self.cycles += 1;
         self.changes += u64::from(governed.change.is_some());
         governed

@@ -1,7 +1,7 @@
 //! Stops, starts, still hands, unusable goals and hands that are not known well.
 
 use super::*;
-use crate::arm::puma560::Policy;
+use crate::arm::puma560::{ChangeKind, Policy};
 
 /// One that the arm is fond of: every joint well inside, every singularity far.
 const MIDDLE: Joints<f64> = [0.3, 1.9, -2.6, 0.4, 0.9, -0.5];
@@ -41,7 +41,7 @@ fn a_still_hand_moves_nothing_to_the_bit() {
 /// each set-point.
 fn anything<T: Real>(sequences: u64) {
     let mut random = Random::new(32);
-    let (mut passed, mut clamped, mut rejected, mut rests) = (0, 0, 0, 0);
+    let (mut passed, mut clamped, mut rejected, mut rests, mut fastest) = (0, 0, 0, 0, 0.0f64);
     for sequence in 0..sequences {
         let config = GovernorConfig {
             cycle_us: if T::EPSILON.to_f64() > 1e-10 {
@@ -100,13 +100,16 @@ fn anything<T: Real>(sequences: u64) {
             );
             rests += u64::from(governed.at_rest);
         }
+        fastest = fastest.max(arm.fastest_m_s);
         let mut cycles = 0;
         while !arm.step(&Order::Stop).at_rest {
             cycles += 1;
             assert!(cycles < 2_000_000 / u64::from(config.cycle_us), "no rest after 2 s");
         }
     }
-    std::println!("{passed} passed, {clamped} clamped, {rejected} rejected, {rests} at rest");
+    std::println!(
+        "{passed} passed, {clamped} clamped, {rejected} rejected, {rests} at rest, {fastest:.3} m/s"
+    );
     assert!(passed > 100 && clamped > 100 && rejected > 20 && rests > 20);
 }
 
