@@ -305,3 +305,20 @@ fn a_passage_is_told_and_one_that_is_not_allowed_is_not_made() {
     let arm = Puma560::<f64>::new(&PumaConfig::default()).unwrap();
     assert!(arm.choose(&arm.forward(&beyond), &Recent::at_rest(&arm, &joints), &Policy::default()).is_err());
 }
+
+#[test]
+fn away_from_a_singularity_nothing_is_slowed() {
+    let mut joints = MIDDLE;
+    joints[4] = 0.08;
+    let mut arm = Checked::<f64>::new(&GovernorConfig::default(), &joints);
+    let (near, mut away) = (*arm.governor.pose(), joints);
+    away[4] = 0.5;
+    let goal = arm.arm.forward(&away);
+    while arm.off(&goal).1 > 0.01 {
+        let governed = arm.follow(&goal);
+        assert!(!governed.limits.contains(Limit::WristSingularity), "{}", governed.limits);
+        assert!(arm.cycles < 500);
+    }
+    // and towards it, it is
+    assert!((0..500).any(|_| arm.follow(&near).limits.contains(Limit::WristSingularity)));
+}

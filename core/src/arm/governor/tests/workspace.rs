@@ -117,3 +117,23 @@ fn who_is_outside_at_the_start_may_only_come_in() {
     // some goals are kept from by a joint or a singularity, too
     assert!(inside * 10 >= sequences(400) * 8, "{inside} came in");
 }
+
+#[test]
+fn what_was_gained_on_the_way_in_is_not_given_up() {
+    let arm = Puma560::<f64>::new(&PumaConfig::default()).unwrap();
+    let config = GovernorConfig::default();
+    let bounds = Governor::new(&arm, &config).unwrap().bounds;
+    let lower = [0.3, 1.9, -2.6, 0.4, 0.9, -0.5];
+    let mut upper = lower;
+    upper[2] += 0.2;
+    let height = |joints: &Joints<f64>| arm.forward(joints).translation.z;
+    let (out, nearer) = if height(&lower) < height(&upper) { (lower, upper) } else { (upper, lower) };
+    assert!(height(&nearer) - height(&out) > 0.02);
+    let mut workspace = Workspace { min_m: [-1.0, -1.0, 0.0], max_m: [1.0, 1.0, 2.0] };
+    workspace.min_m[2] = height(&nearer) + 0.05;
+    let mut fence = Fence::new(&arm, &Bounded::new(&arm, &workspace));
+    fence.start(&arm.forward(&out).translation);
+    assert!(fence.admits(&arm, &out.map(Axis::at), &bounds));
+    assert!(fence.admits(&arm, &nearer.map(Axis::at), &bounds));
+    assert!(!fence.admits(&arm, &out.map(Axis::at), &bounds));
+}
