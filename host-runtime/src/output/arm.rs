@@ -5,8 +5,8 @@ use crate::station::Cycle;
 use std::path::Path;
 use tetrad_core::geometry::Pose;
 
-/// `t,state,limits,share,age_ms,s1..s6,q1..q6,x,y,z,r11..r33,mx,my,mz`: seconds; the law's state; the
-/// names of what limits the arm with a space between them (a joint's number behind it); the share of
+/// `t,state,change,limits,share,age_ms,s1..s6,q1..q6,x,y,z,r11..r33,mx,my,mz`: seconds; the law's state; how
+/// the arm stood and stands now where that changed; the names of what limits the arm with a space between them (a joint's number behind it); the share of
 /// its speed that it may use; the age of the newest command; set-points and measured joints in
 /// radians; the tool as it was sent, and where it was measured to be, metres in the robot's base.
 /// What is not known is empty.
@@ -19,7 +19,7 @@ impl ArmCsv {
     /// # Errors
     /// [`OutputError`] when it cannot be created.
     pub fn create(dir: &Path) -> Result<Self, OutputError> {
-        let header = "t,state,limits,share,age_ms,s1,s2,s3,s4,s5,s6,q1,q2,q3,q4,q5,q6,x,y,z,\
+        let header = "t,state,change,limits,share,age_ms,s1,s2,s3,s4,s5,s6,q1,q2,q3,q4,q5,q6,x,y,z,\
                       r11,r12,r13,r21,r22,r23,r31,r32,r33,mx,my,mz";
         CsvFile::create(dir, "arm.csv", header).map(Self)
     }
@@ -33,6 +33,11 @@ impl ArmCsv {
         let governed = step.governed.as_ref();
         self.0.row(|row| {
             row.time(t_s).field(step.decision.status.state().name());
+            let change = governed.and_then(|governed| governed.change);
+            match change {
+                Some(change) => row.field(format_args!("{} {}", change.from.code(), change.to.code())),
+                None => row.empty(),
+            };
             let limits = governed.map(|governed| governed.limits).unwrap_or_default();
             let names = limits.iter().map(|limit| match limit.joint() {
                 Some(joint) => format!("{}_{joint}", limit.name()),

@@ -30,6 +30,8 @@ pub struct Cycle {
 pub enum EnableThenReset {
     /// The arm is being switched on; ask again when it is ready.
     SwitchingOn,
+    /// Its joints are not homed; when they are, it is to be reset anew.
+    NotHomed,
     /// The port refuses to be enabled.
     Port(PortError),
     /// The law refuses.
@@ -40,6 +42,9 @@ impl fmt::Display for EnableThenReset {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::SwitchingOn => f.write_str("the arm is being switched on"),
+            Self::NotHomed => {
+                f.write_str("the arm does not know where its joints are; home it, then reset again")
+            }
             Self::Port(error) => error.fmt(f),
             Self::Law(refusal) => refusal.fmt(f),
         }
@@ -99,21 +104,26 @@ impl SlaveStation {
         self.slave.stop();
     }
 
-    /// Ends a stop or a fault and, where that is needed, has the arm switched on. Nothing moves before
-    /// the next press.
+    /// Ends a stop or a fault and, where that is needed and `may_enable` says so, has the arm switched
+    /// on. Nothing moves before the next press.
+    ///
+    /// Whoever waits for an arm that is being switched on asks again without `may_enable`: power comes
+    /// on when somebody asks for it, not when whatever was in the way is over.
     ///
     /// # Errors
     /// [`EnableThenReset`]; where the arm is being switched on it is to be asked again.
-    pub fn reset(&mut self, now_us: u64) -> Result<(), EnableThenReset> {
+    pub fn reset(&mut self, now_us: u64, may_enable: bool) -> Result<(), EnableThenReset> {
+        if may_enable && !matches!(self.robot.status(), PortStatus::Ready | PortStatus::Enabling) {
+            self.robot.enable().map_err(EnableThenReset::Port)?;
+        }
         match self.robot.status() {
             PortStatus::Ready => {}
-            PortStatus::Enabling | PortStatus::NotHomed => return Err(EnableThenReset::SwitchingOn),
-            PortStatus::Disabled | PortStatus::Stopped | PortStatus::Fault(_) | PortStatus::Lost => {
-                self.robot.enable().map_err(EnableThenReset::Port)?;
-                if self.robot.status() != PortStatus::Ready {
-                    return Err(EnableThenReset::SwitchingOn);
-                }
-            }
+            PortStatus::Enabling => return Err(EnableThenReset::SwitchingOn),
+            PortStatus::NotHomed if !may_enable => return Err(EnableThenReset::NotHomed),
+            // what was asked for has not begun
+            _ if may_enable => return Err(EnableThenReset::SwitchingOn),
+            // or is over
+            status => return Err(EnableThenReset::Port(PortError::NotReady(status))),
         }
         let reading = self.read().0;
         self.slave.reset(now_us, &reading).map_err(EnableThenReset::Law)
@@ -137,7 +147,7 @@ impl SlaveStation {
         if untold.is_some_and(is_refused_set_point) {
             // the limits and the port disagree on what the arm can do: nobody knows where it would go
             let _ = self.robot.stop();
-            self.slave.stop();
+            self.slave.stop_refused();
         }
         Cycle { step, reading, port_error: untold.or(unread) }
     }

@@ -20,7 +20,9 @@
 use super::governor::{Governed, Governor, StartRefusal};
 use super::port::{JointReading, PortStatus};
 use super::puma560::{Joints, Puma560};
-use super::teleop::{ArmCondition, ArmView, Command, CommandRefusal, Counts, Decision, ResetRefusal, Teleop};
+use super::teleop::{
+    ArmCondition, ArmView, Command, CommandRefusal, Counts, Decision, ResetRefusal, StopReason, Teleop,
+};
 use crate::config::{SlaveConfig, SlaveConfigError, TeleopMode};
 use crate::geometry::Pose;
 use crate::real::Real;
@@ -143,6 +145,11 @@ impl<T: Real> Slave<T> {
     /// Stops the arm; it takes a reset to move it again ([`Teleop::stop`]).
     pub const fn stop(&mut self) {
         self.teleop.stop();
+    }
+
+    /// Stops the arm because its port refused a set-point.
+    pub const fn stop_refused(&mut self) {
+        self.teleop.stop_for(StopReason::SetPointRefused);
     }
 
     /// Ends a stop or a fault ([`Teleop::reset`]); nothing moves before the next press.

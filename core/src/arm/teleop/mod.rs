@@ -215,8 +215,13 @@ impl<T: Real> Teleop<T> {
     /// Stops the arm; it takes a reset to move it again. To be called in each step while a stop input
     /// is active.
     pub const fn stop(&mut self) {
+        self.stop_for(StopReason::Asked);
+    }
+
+    /// [Stops](Self::stop) the arm for another reason than that somebody asked.
+    pub const fn stop_for(&mut self, reason: StopReason) {
         if !matches!(self.phase, Phase::Fault(_)) {
-            self.phase = Phase::Stopped(StopReason::Asked);
+            self.phase = Phase::Stopped(reason);
         }
     }
 

@@ -45,6 +45,8 @@ pub enum StopReason {
     Asked,
     /// Commands of two senders came at one time.
     TwoSenders,
+    /// The arm's port refused a set-point: limits and port do not agree on what the arm can do.
+    SetPointRefused,
 }
 
 /// Why there is a fault.
@@ -134,6 +136,10 @@ impl fmt::Display for StopReason {
         f.write_str(match self {
             Self::Started => "just started; let go of hold-to-run and reset",
             Self::Asked => "stop was pressed; when all is clear, let go of hold-to-run and reset",
+            Self::SetPointRefused => {
+                "the arm's port refused a set-point; make the limits and the rate of tetrad.toml those of \
+                 the port, let go of hold-to-run and reset"
+            }
             Self::TwoSenders => {
                 "two operator stations send commands; end one of them, let go of hold-to-run and reset"
             }

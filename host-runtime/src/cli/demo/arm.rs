@@ -85,11 +85,11 @@ impl DemoArm {
     }
 
     fn switch_on(&mut self) -> Result<(), Failure> {
-        let mut armed = false;
+        let (mut armed, mut asked) = (false, false);
         while self.due_us < SWITCH_ON_US {
             self.cycle(false)?;
             if !armed {
-                match self.station.reset(self.clock.now_us()) {
+                match self.station.reset(self.clock.now_us(), !std::mem::replace(&mut asked, true)) {
                     Ok(()) => armed = true,
                     Err(EnableThenReset::SwitchingOn) => {}
                     Err(refusal) => return Err(Failure::new(Exit::Failed, refusal)),

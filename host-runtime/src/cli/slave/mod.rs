@@ -21,10 +21,11 @@ use crate::station::{Cycle, EnableThenReset, SlaveStation};
 use clap::{Args, ValueEnum};
 use keyboard::{Key, Keyboard};
 use packets::{Next, Origin, Packets};
+use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use talk::Talk;
-use tetrad_core::arm::port::PortStatus;
+use tetrad_core::arm::port::{PortError, PortStatus};
 use tetrad_core::arm::teleop::{Counts, State};
 
 pub(super) const EXAMPLES: &str = "\
@@ -32,22 +33,27 @@ Examples:
   Cameras here, a simulated arm here, hold-to-run on this terminal:
     tetrad track --left /dev/video0 --right /dev/video2 ... --packets - | tetrad slave
   What was recorded drives the simulated arm, nobody at the keys:
-    tetrad slave --packets run1/motion.bin --hold-to-run sender
+    tetrad slave --packets motion.bin --hold-to-run sender
   The settings of an arm from a file:
     tetrad slave --config tetrad.toml --packets -
 
 On the terminal: r resets (after the start, a stop or a fault), the space bar moves the arm while it is
-held, any other key stops it, q ends the program. Where drives cannot tell that their joints are homed
+held (a terminal tells late that it was let go: 0.2 s after, 0.7 s after a mere tap; a kitty-like one at
+once), any other key stops it at once, q ends the program. Where drives cannot tell that their joints are homed
 (homing = 'confirm'), h says so.
 
-URL is sim: (a simulated PUMA 560), dry-run:FILE (set-points into a CSV file), and what
-`tetrad slave --help` lists besides. With --out, DIR gets arm.csv: state, set-points, joints.";
+URL is sim: (a simulated PUMA 560), dry-run:FILE (set-points into a CSV file), val2:/dev/ttyUSB0 (a
+PUMA's own VAL II controller), canopen:can0 or canopen+slcan:/dev/ttyACM0 (six CiA 402 drives);
+docs/arm.md lists their options. With --out, DIR gets arm.csv: state, set-points, joints.";
 
 /// How long the end of the run waits for the arm to be at rest.
 const REST: Duration = Duration::from_secs(3);
 
 /// How long an arm may take to be switched on: one that calibrates itself goes slowly from joint to joint.
 const SWITCH_ON: Duration = Duration::from_secs(150);
+
+/// How long a port may take to say that it has begun to switch on.
+const BEGIN: Duration = Duration::from_millis(500);
 
 /// How long hold-to-run is told to be released before nobody's button is pressed.
 const RELEASED: Duration = Duration::from_millis(200);
@@ -110,7 +116,13 @@ pub(super) fn run(args: &SlaveArgs) -> Result<(), Failure> {
         }
         None => None,
     };
-    let packets = Packets::open(&origin(&args.packets))?;
+    let origin = origin(&args.packets);
+    if origin == Origin::Pipe && args.hold_to_run == HoldToRun::Keyboard && std::io::stdin().is_terminal() {
+        // both would read the same keys, and a stop might go to the wrong one
+        return Err(Failure::bad_arguments("standard input is the terminal: no packets come from there")
+            .help("pipe `tetrad track --packets -` into it, or give --packets FILE"));
+    }
+    let packets = Packets::open(&origin)?;
     let mut config = settings.slave;
     if matches!(address.kind(), RobotKind::Canopen(_)) {
         // the limits go at the rate of the drives
@@ -135,7 +147,7 @@ pub(super) fn run(args: &SlaveArgs) -> Result<(), Failure> {
         cycle,
         input: if keyboard.is_some() { Input::Open } else { Input::Starting },
         sender_pressed: false,
-        reset_until: None,
+        reset: None,
         keyboard,
         worst: None,
     };
@@ -193,6 +205,20 @@ enum Input {
     Ended,
 }
 
+/// A reset that was asked for.
+#[derive(Clone, Copy, Debug)]
+struct Reset {
+    since: Instant,
+    /// The arm was told to switch on.
+    told: bool,
+}
+
+impl Reset {
+    fn asked(now: Instant) -> Self {
+        Self { since: now, told: false }
+    }
+}
+
 struct Run {
     station: SlaveStation,
     packets: Packets,
@@ -205,7 +231,7 @@ struct Run {
     /// What the newest packet says of the button.
     sender_pressed: bool,
     /// A reset that waits for the arm to be switched on.
-    reset_until: Option<Instant>,
+    reset: Option<Reset>,
     /// How the run ends where nobody is there to mend it.
     worst: Option<(Exit, String)>,
 }
@@ -222,7 +248,7 @@ impl Run {
     fn all(&mut self, end: Option<Instant>, interrupt: &Interrupt) -> Result<(), Failure> {
         let mut due = self.began;
         if self.keyboard.is_none() {
-            self.reset_until = Some(self.began + SWITCH_ON);
+            self.reset = Some(Reset::asked(self.began));
         }
         loop {
             let now = Instant::now();
@@ -261,10 +287,10 @@ impl Run {
                 Ok(Some(Key::Quit)) => return Ok(true),
                 Ok(Some(Key::Stop)) => {
                     self.station.stop();
-                    self.reset_until = None;
+                    self.reset = None;
                 }
                 Ok(Some(Key::Homed)) => self.station.confirm_homed(),
-                Ok(Some(Key::Reset)) => self.reset_until = Some(now + SWITCH_ON),
+                Ok(Some(Key::Reset)) => self.reset = Some(Reset::asked(now)),
                 Ok(None) => break,
                 Err(cause) => {
                     self.shut_down()?;
@@ -287,9 +313,10 @@ impl Run {
             match self.packets.next() {
                 Next::Packet(arrival) => {
                     let received_us = self.micros(arrival.at);
-                    self.sender_pressed = arrival.packet.engaged;
-                    // counted where it is dropped, and told with the state it leads to
-                    let _ = self.station.take(&arrival.packet, received_us);
+                    // what is refused is counted, and told with the state that it leads to
+                    if self.station.take(&arrival.packet, received_us).is_ok() {
+                        self.sender_pressed = arrival.packet.engaged;
+                    }
                 }
                 Next::Nothing => return Ok(()),
                 Next::Ended(None) => {
@@ -310,21 +337,28 @@ impl Run {
 
     /// A reset that was asked for, as soon as the arm is switched on.
     fn try_reset(&mut self, now: Instant) {
-        let Some(until) = self.reset_until else { return };
-        match self.station.reset(self.micros(now)) {
+        let Some(Reset { since, told }) = self.reset else { return };
+        let outcome = self.station.reset(self.micros(now), !told);
+        self.reset = Some(Reset { since, told: true });
+        match outcome {
             Ok(()) => {
-                self.reset_until = None;
+                self.reset = None;
                 self.packets.begin();
                 if self.input == Input::Starting {
                     self.input = Input::Open;
                 }
             }
-            Err(EnableThenReset::SwitchingOn) if now < until => {}
+            Err(EnableThenReset::SwitchingOn) if now < since + SWITCH_ON => {}
+            // a port that has a thread of its own says a little later that it switches on
+            Err(EnableThenReset::NotHomed | EnableThenReset::Port(PortError::NotReady(_)))
+                if told && now < since + BEGIN => {}
             // the button has to be heard first
             Err(EnableThenReset::Law(_)) if self.keyboard.is_none() && now < self.began + RELEASED => {}
             Err(refusal) => {
-                self.reset_until = None;
-                self.print(&format!("no reset: {refusal}"));
+                self.reset = None;
+                let reason = self.station.robot().reason();
+                let reason = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
+                self.print(&format!("no reset: {refusal}{reason}"));
                 if self.keyboard.is_none() {
                     self.worst = Some((Exit::DeviceLost, refusal.to_string()));
                 }

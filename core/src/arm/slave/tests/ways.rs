@@ -5,6 +5,7 @@ use crate::arm::governor::Verdict;
 use crate::arm::teleop::tests::network::{Network, Wander, arrived};
 use crate::arm::teleop::tests::{Random, apart, sequences};
 use crate::config::TeleopConfig;
+use nalgebra::Vector3;
 
 #[test]
 fn a_thousand_clutch_cycles_with_a_still_hand_move_nothing() {
@@ -127,5 +128,32 @@ fn a_goal_told_ahead_is_followed_less_late() {
         );
         assert!(late > 0.12 && less < 0.6 * late && less > 0.0, "{late} {less}");
         assert!(beyond < 0.05 * speed, "{beyond} m beyond");
+    }
+}
+
+/// Where the simulated arm stands at first: joints 1, 4 and 6 at exactly 0, so that a hand that moves in
+/// the arm's own plane leaves them nothing but rounding to go.
+#[test]
+fn a_hand_that_moves_in_the_plane_of_the_arm_is_followed() {
+    for way in [Vector3::x(), Vector3::z(), Vector3::x() + Vector3::z()] {
+        let mut rig = Rig::<f64>::new(&SlaveConfig::default());
+        rig.joints = [0.0, 45.0, -180.0, 0.0, 45.0, 0.0].map(f64::to_radians);
+        rig.run(100_000);
+        rig.reset().unwrap();
+        rig.run(100_000);
+        rig.press();
+        rig.run(200_000);
+        let start = rig.tool().translation;
+        for to_m in [0.1, -0.1, 0.0] {
+            let from = rig.sender.hand.translation;
+            let to = Vector3::z() + way * to_m;
+            for step in 1..=100 {
+                rig.sender.hand.translation = from + (to - from) * (f64::from(step) / 100.0);
+                rig.cycle();
+            }
+            rig.run(3_000_000);
+            let off = (rig.tool().translation - start - way * to_m).norm();
+            assert!(off < 1e-6, "{way:?} by {to_m} m: {off} m off");
+        }
     }
 }
