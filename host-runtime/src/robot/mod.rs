@@ -34,6 +34,7 @@ use canopen::CanopenConfig;
 use dry_run::DryRun;
 use simulated::SimulatedArm;
 use std::error::Error;
+use std::time::Instant;
 use tetrad_core::arm::port::RobotPort;
 use tetrad_core::config::{PumaConfig, PumaConfigError};
 
@@ -47,6 +48,12 @@ pub trait Robot: RobotPort<f64> + Send {
     /// What the user is to know before this arm moves; `None` where there is nothing special.
     fn notice(&self) -> Option<String> {
         None
+    }
+
+    /// Waits until the next set-point is wanted: until `due`, or by the port's own beat where it has one,
+    /// so that each of its cycles gets one set-point and none gets two.
+    fn pace(&mut self, due: Instant) {
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
     }
 
     /// The share of the joints' speeds that set-points may use: less than 1 where the controller itself

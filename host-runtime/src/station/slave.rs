@@ -2,6 +2,7 @@
 
 use crate::robot::Robot;
 use std::fmt;
+use std::time::Instant;
 use tetrad_core::arm::port::{PortError, PortStatus};
 use tetrad_core::arm::slave::{ArmReading, PortOrder, Slave, SlaveStep};
 use tetrad_core::arm::teleop::{Command, CommandRefusal, Counts, ResetRefusal};
@@ -132,6 +133,11 @@ impl SlaveStation {
     /// Somebody vouches for it that every joint is homed.
     pub fn confirm_homed(&mut self) {
         self.robot.confirm_homed();
+    }
+
+    /// Waits until the next cycle is [due](Robot::pace).
+    pub fn pace(&mut self, due: Instant) {
+        self.robot.pace(due);
     }
 
     /// One cycle, at the rate of the limits' configuration.

@@ -162,6 +162,29 @@ fn a_stop_is_obeyed_at_once_and_what_was_written_is_forgotten() {
     assert_eq!(fleet.with(|drives| drives.iter().map(Drive::position).collect::<Vec<_>>()), stands);
 }
 
+/// Who drives by the port's beat gives no cycle two set-points: none is overwritten before it was sent,
+/// and the drives get each of them in its order.
+#[test]
+fn by_the_beat_every_set_point_reaches_the_drives() {
+    let (fleet, mut port) = ready();
+    let before = port.counters().set_points;
+    let mut wanted = Vec::new();
+    port.pace(Instant::now());
+    for k in 1..=200 {
+        let mut joints = START;
+        joints[0] += 0.002 * f64::from(k);
+        port.write_set_point(&joints).unwrap_or_else(|error| panic!("{error}: {:?}", port.reason()));
+        wanted.push(port.drives().counts(&joints).unwrap()[0]);
+        port.pace(Instant::now() + Duration::from_secs(5));
+    }
+    assert_eq!(port.counters().set_points - before, 200);
+    wait_for("the last", || fleet.with(|drives| drives[0].targets.last() == wanted.last()));
+    let mut got = fleet.with(|drives| drives[0].targets.clone());
+    // a cycle without one repeats the last: that is a test's machine that stood still
+    got.dedup();
+    assert!(got.ends_with(&wanted), "{got:?}");
+}
+
 #[test]
 fn a_closed_port_leaves_the_arm_at_rest() {
     let (fleet, mut port) = ready();

@@ -5,7 +5,8 @@
 //! terminal: hold-to-run, stop, reset --------------+--> loop at the arm's rate --> robot port
 //! ```
 //!
-//! The loop sleeps until the next cycle is due; what was missed is not made up for.
+//! The loop waits until the next cycle is due, by the port's own beat where it has one; what was missed is
+//! not made up for.
 
 mod keyboard;
 mod packets;
@@ -265,7 +266,9 @@ impl Run {
                 return self.shut_down();
             }
             due = next_due(due, self.cycle, Instant::now());
-            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+            self.station.pace(due);
+            // a port's own beat may be ahead of this clock
+            due = due.min(Instant::now());
         }
     }
 
@@ -395,7 +398,9 @@ impl Run {
                 break;
             }
             due = next_due(due, self.cycle, Instant::now());
-            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+            self.station.pace(due);
+            // a port's own beat may be ahead of this clock
+            due = due.min(Instant::now());
         }
         if let Err(error) = self.station.shut_down() {
             self.print(&format!("the arm could not be stopped at its port: {error}"));

@@ -3,9 +3,13 @@
 //! ```text
 //! reader thread: bus --frames--> channel --> cycle thread: master --frames--> bus
 //!                                                ^   |
-//!                       enable, stop, set-point  |   v  status, positions, reason
+//!                       enable, stop, set-point  |   v  status, positions, reason, beat
 //!                                          port (whoever holds it)
 //! ```
+//!
+//! Whoever drives the arm waits for the beat that ends a cycle ([`Robot::pace`](crate::robot::Robot::pace))
+//! and then sends one set-point, which the next cycle takes: two clocks of the same rate would now and
+//! then give a cycle two of them and another none, and a drive a step twice as large.
 //!
 //! Deadlines are absolute: a cycle that began late makes none after it late. After one that was late
 //! by more than a period the count begins anew, so that no SYNC is sent in a hurry.
@@ -17,7 +21,7 @@ use super::master::{Counters, Master};
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use tetrad_core::arm::port::PortStatus;
@@ -56,12 +60,15 @@ pub(super) struct Shared {
     pub(super) counters: Counters,
     pub(super) unsent: u64,
     pub(super) lateness: Lateness,
+    /// Cycles that took what there was, counting and wrapping.
+    pub(super) beats: u64,
 }
 
 /// Shared by both; nobody holds the lock while waiting for anything.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Link {
     shared: Arc<Mutex<Shared>>,
+    beat: Arc<Condvar>,
     ended: Arc<AtomicBool>,
 }
 
@@ -69,6 +76,13 @@ impl Link {
     pub(super) fn lock(&self) -> MutexGuard<'_, Shared> {
         // plain values are never half written
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until there was another beat than `last`, no longer than until `give_up`; the newest.
+    pub(super) fn wait_for_beat(&self, last: u64, give_up: Instant) -> u64 {
+        let left = give_up.saturating_duration_since(Instant::now());
+        let waited = self.beat.wait_timeout_while(self.lock(), left, |shared| shared.beats == last);
+        waited.unwrap_or_else(PoisonError::into_inner).0.beats
     }
 
     fn has_ended(&self) -> bool {
@@ -169,6 +183,7 @@ impl Cycle {
             }
             self.step(late, &mut out);
             self.send(&mut out);
+            self.link.beat.notify_all();
             deadline = if late > period { Instant::now() + period } else { deadline + period };
         }
     }
@@ -223,6 +238,8 @@ impl Cycle {
         if let Some(counts) = shared.set_point.take() {
             self.master.set_point(counts);
         }
+        // under the same lock: whoever writes knows which cycle is the next to take it
+        shared.beats = shared.beats.wrapping_add(1);
         self.master.cycle(now_us, out);
         self.publish(&mut shared, late);
     }

@@ -9,7 +9,7 @@ use crate::robot::Robot;
 use crate::robot::set_point::SetPointGate;
 use std::io;
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tetrad_core::arm::port::{JointReading, PortError, PortStatus, RobotPort};
 use tetrad_core::arm::puma560::{BeyondCounts, Drives, Joints};
 use tetrad_core::config::{JOINTS, PumaConfig, PumaConfigError};
@@ -43,6 +43,9 @@ pub struct CanopenPort {
     drives: Drives,
     gate: SetPointGate,
     last: Joints<f64>,
+    period: Duration,
+    /// The beat that was waited for last, or after which a set-point was last written.
+    beat: u64,
 }
 
 impl CanopenPort {
@@ -61,7 +64,7 @@ impl CanopenPort {
         let link = Link::default();
         let period = Duration::from_micros(u64::from(config.period_us));
         let thread = Some(spawn(master, bus, opener, period, &link).map_err(CanopenError::Open)?);
-        Ok(Self { link, thread, drives, gate, last: [0.0; JOINTS] })
+        Ok(Self { link, thread, drives, gate, last: [0.0; JOINTS], period, beat: 0 })
     }
 
     /// What went over the bus.
@@ -108,6 +111,7 @@ impl RobotPort<f64> for CanopenPort {
             self.drives.counts(joints).map_err(|BeyondCounts(joint)| PortError::OutOfRange(joint))?;
         self.last = *joints;
         shared.set_point = Some(counts);
+        self.beat = shared.beats;
         Ok(())
     }
 
@@ -145,6 +149,11 @@ impl RobotPort<f64> for CanopenPort {
 impl Robot for CanopenPort {
     fn reason(&self) -> Option<String> {
         self.link.lock().reason.clone()
+    }
+
+    /// By the beat of the bus; a thread that is gone is not waited for.
+    fn pace(&mut self, due: Instant) {
+        self.beat = self.link.wait_for_beat(self.beat, due + self.period);
     }
 
     /// Needed where the configuration says [`Homing::Confirm`](super::Homing::Confirm).
