@@ -10,16 +10,7 @@ use tetrad_core::arm::teleop::{Order, Uncertainty};
 use tetrad_core::config::{GovernorConfig, PumaConfig};
 use tetrad_core::geometry::Pose;
 use tetrad_core::real::Real;
-
-/// Where texts go: the panic of a formatter would be found too.
-struct Nowhere;
-
-impl Write for Nowhere {
-    fn write_str(&mut self, text: &str) -> core::fmt::Result {
-        black_box(text);
-        Ok(())
-    }
-}
+use tetrad_no_panic::Nowhere;
 
 fn any<T: Real>() {
     let Ok(arm) = Puma560::<T>::new(&black_box(PumaConfig::default())) else { return };

@@ -8,16 +8,7 @@ use tetrad_core::arm::port::{JointReading, PortStatus};
 use tetrad_core::arm::slave::{ArmReading, PortOrder, Slave};
 use tetrad_core::config::SlaveConfig;
 use tetrad_core::real::Real;
-
-/// Where texts go: the panic of a formatter would be found too.
-struct Nowhere;
-
-impl Write for Nowhere {
-    fn write_str(&mut self, text: &str) -> core::fmt::Result {
-        black_box(text);
-        Ok(())
-    }
-}
+use tetrad_no_panic::Nowhere;
 
 fn any<T: Real>() {
     match Slave::<T>::new(&black_box(SlaveConfig::default())) {

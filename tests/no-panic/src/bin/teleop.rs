@@ -12,16 +12,7 @@ use tetrad_core::geometry::Pose;
 use tetrad_core::hand::state::{PoseCovariance, PoseState};
 use tetrad_core::real::Real;
 use tetrad_core::wire::{MotionPacket, Transform};
-
-/// Where texts go: the panic of a formatter would be found too.
-struct Nowhere;
-
-impl Write for Nowhere {
-    fn write_str(&mut self, text: &str) -> core::fmt::Result {
-        black_box(text);
-        Ok(())
-    }
-}
+use tetrad_no_panic::Nowhere;
 
 fn any<T: Real>() {
     let mode = black_box(TeleopMode::Paper);
