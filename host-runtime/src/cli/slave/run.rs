@@ -1,0 +1,318 @@
+//! The loop of a slave: keys, packets, one cycle of the station, a line for the operator.
+//!
+//! It waits until the next cycle is due, by the port's own beat where it has one; what was missed is not
+//! made up for.
+
+use super::keyboard::{Key, Keyboard};
+use super::packets::{Next, Packets};
+use super::talk::Talk;
+use crate::cli::interrupt::Interrupt;
+use crate::cli::note;
+use crate::exit::{Exit, Failure};
+use crate::output::ArmCsv;
+use crate::station::{Cycle, EnableThenReset, SlaveStation};
+use std::time::{Duration, Instant};
+use tetrad_core::arm::port::{PortError, PortStatus};
+use tetrad_core::arm::teleop::State;
+
+/// How long the end of the run waits for the arm to be at rest.
+const REST: Duration = Duration::from_secs(3);
+
+/// How long an arm may take to be switched on: one that calibrates itself goes slowly from joint to joint.
+const SWITCH_ON: Duration = Duration::from_secs(150);
+
+/// How long a port may take to say that it has begun to switch on.
+const BEGIN: Duration = Duration::from_millis(500);
+
+/// How long hold-to-run is told to be released before nobody's button is pressed.
+const RELEASED: Duration = Duration::from_millis(200);
+
+/// What becomes of hold-to-run and of the packets when no keyboard is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Input {
+    /// The arm is being switched on; packets wait.
+    Starting,
+    Open,
+    /// The other end went away.
+    Ended,
+}
+
+/// A reset that was asked for.
+#[derive(Clone, Copy, Debug)]
+struct Reset {
+    since: Instant,
+    /// The arm was told to switch on.
+    told: bool,
+}
+
+impl Reset {
+    fn asked(now: Instant) -> Self {
+        Self { since: now, told: false }
+    }
+}
+
+/// A slave at work.
+pub(super) struct Run {
+    station: SlaveStation,
+    packets: Packets,
+    talk: Talk,
+    record: Option<ArmCsv>,
+    keyboard: Option<Keyboard>,
+    began: Instant,
+    cycle: Duration,
+    input: Input,
+    /// What the newest packet says of the button.
+    sender_pressed: bool,
+    /// A reset that waits for the arm to be switched on.
+    reset: Option<Reset>,
+    /// How the run ends where nobody is there to mend it.
+    worst: Option<(Exit, String)>,
+}
+
+/// What is left of a run.
+pub(super) struct Ended {
+    pub(super) station: SlaveStation,
+    /// Frames that were damaged, and packets for which there was no room.
+    pub(super) losses: (u64, u64),
+    /// How it ended where nobody was there to mend it.
+    pub(super) worst: Option<(Exit, String)>,
+}
+
+impl Run {
+    /// A slave that has not begun; without a keyboard the packets hold the button.
+    pub(super) fn new(
+        station: SlaveStation,
+        packets: Packets,
+        record: Option<ArmCsv>,
+        keyboard: Option<Keyboard>,
+        cycle: Duration,
+    ) -> Self {
+        let began = Instant::now();
+        Self {
+            station,
+            packets,
+            talk: Talk::new(began),
+            record,
+            began,
+            cycle,
+            input: if keyboard.is_some() { Input::Open } else { Input::Starting },
+            sender_pressed: false,
+            reset: None,
+            keyboard,
+            worst: None,
+        }
+    }
+
+    pub(super) const fn station(&self) -> &SlaveStation {
+        &self.station
+    }
+
+    /// Gives the terminal back, and what there is to tell.
+    pub(super) fn end(self) -> Ended {
+        Ended { losses: self.packets.losses(), station: self.station, worst: self.worst }
+    }
+
+    pub(super) fn usage(&self) -> &'static str {
+        match self.keyboard {
+            Some(_) => "r resets, hold the space bar to move, any other key stops, q ends",
+            None => "the packets hold the button",
+        }
+    }
+
+    /// Every cycle until the end, at most for so long.
+    pub(super) fn all(&mut self, longest: Option<Duration>, interrupt: &Interrupt) -> Result<(), Failure> {
+        let end = longest.map(|longest| self.began + longest);
+        let mut due = self.began;
+        if self.keyboard.is_none() {
+            self.reset = Some(Reset::asked(self.began));
+        }
+        loop {
+            let now = Instant::now();
+            let over = end.is_some_and(|end| now >= end) || interrupt.asked();
+            if over || self.keys(now)? || self.is_done() {
+                return self.shut_down();
+            }
+            self.arrivals()?;
+            self.try_reset(now);
+            let cycle = self.station.cycle(self.micros(Instant::now()));
+            self.tell(&cycle, Instant::now());
+            self.write(&cycle)?;
+            if self.keyboard.is_none() && self.note_worst(&cycle) {
+                return self.shut_down();
+            }
+            due = next_due(due, self.cycle, Instant::now());
+            self.station.pace(due);
+            // a port's own beat may be ahead of this clock
+            due = due.min(Instant::now());
+        }
+    }
+
+    fn micros(&self, at: Instant) -> u64 {
+        // the law's clock may not begin at 0, so that a moment before it can be told
+        1_000_000 + at.saturating_duration_since(self.began).as_micros() as u64
+    }
+
+    /// What the operator did; whether the program is to end.
+    fn keys(&mut self, now: Instant) -> Result<bool, Failure> {
+        let now_us = self.micros(now);
+        let Some(keyboard) = &mut self.keyboard else {
+            let pressed = self.input == Input::Open && self.sender_pressed;
+            self.station.hold_to_run(pressed, now_us);
+            return Ok(false);
+        };
+        loop {
+            match keyboard.next(now) {
+                Ok(Some(Key::Quit)) => return Ok(true),
+                Ok(Some(Key::Stop)) => {
+                    self.station.stop();
+                    self.reset = None;
+                }
+                Ok(Some(Key::Homed)) => self.station.confirm_homed(),
+                Ok(Some(Key::Reset)) => self.reset = Some(Reset::asked(now)),
+                Ok(None) => break,
+                Err(cause) => {
+                    self.shut_down()?;
+                    let cause = anyhow::Error::new(cause).context("the terminal went away");
+                    return Err(Failure::new(Exit::Safety, cause));
+                }
+            }
+        }
+        let held = keyboard.is_held(now);
+        self.station.hold_to_run(held, now_us);
+        Ok(false)
+    }
+
+    /// Takes every packet that has come.
+    fn arrivals(&mut self) -> Result<(), Failure> {
+        if self.input == Input::Starting {
+            return Ok(());
+        }
+        loop {
+            match self.packets.next() {
+                Next::Packet(arrival) => {
+                    let received_us = self.micros(arrival.at);
+                    // what is refused is counted, and told with the state that it leads to
+                    if self.station.take(&arrival.packet, received_us).is_ok() {
+                        self.sender_pressed = arrival.packet.engaged;
+                    }
+                }
+                Next::Nothing => return Ok(()),
+                Next::Ended(None) => {
+                    if self.input != Input::Ended && self.keyboard.is_some() {
+                        self.print("no more packets will come; q ends");
+                    }
+                    self.input = Input::Ended;
+                    return Ok(());
+                }
+                Next::Ended(Some(cause)) => {
+                    self.shut_down()?;
+                    let cause = anyhow::Error::new(cause).context("the packets cannot be read");
+                    return Err(Failure::new(Exit::DeviceLost, cause));
+                }
+            }
+        }
+    }
+
+    /// A reset that was asked for, as soon as the arm is switched on.
+    fn try_reset(&mut self, now: Instant) {
+        let Some(Reset { since, told }) = self.reset else { return };
+        let outcome = self.station.reset(self.micros(now), !told);
+        self.reset = Some(Reset { since, told: true });
+        match outcome {
+            Ok(()) => {
+                self.reset = None;
+                self.packets.begin();
+                if self.input == Input::Starting {
+                    self.input = Input::Open;
+                }
+            }
+            Err(EnableThenReset::SwitchingOn) if now < since + SWITCH_ON => {}
+            // a port that has a thread of its own says a little later that it switches on
+            Err(EnableThenReset::NotHomed | EnableThenReset::Port(PortError::NotReady(_)))
+                if told && now < since + BEGIN => {}
+            // the button has to be heard first
+            Err(EnableThenReset::Law(_)) if self.keyboard.is_none() && now < self.began + RELEASED => {}
+            Err(refusal) => {
+                self.reset = None;
+                let reason = self.station.robot().reason();
+                let reason = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
+                self.print(&format!("no reset: {refusal}{reason}"));
+                if self.keyboard.is_none() {
+                    self.worst = Some((Exit::DeviceLost, refusal.to_string()));
+                }
+            }
+        }
+    }
+
+    /// Whether a run without a keyboard has nothing left to do.
+    fn is_done(&self) -> bool {
+        self.keyboard.is_none() && (self.input == Input::Ended || self.worst.is_some())
+    }
+
+    /// Without anybody to reset it, a fault ends the run; whether it did.
+    fn note_worst(&mut self, cycle: &Cycle) -> bool {
+        let status = cycle.step.decision.status;
+        if self.input == Input::Starting || !matches!(status.state(), State::Stopped | State::Fault) {
+            return false;
+        }
+        let exit = if cycle.reading.status == PortStatus::Lost { Exit::DeviceLost } else { Exit::Safety };
+        let reason = self.station.robot().reason().unwrap_or_else(|| cycle.reading.status.to_string());
+        self.worst = Some((exit, format!("{status} ({reason})")));
+        true
+    }
+
+    /// Brings the arm to rest within its limits, then stops it at its port.
+    fn shut_down(&mut self) -> Result<(), Failure> {
+        self.station.stop();
+        let began = Instant::now();
+        let mut due = began;
+        while began.elapsed() < REST {
+            let cycle = self.station.cycle(self.micros(Instant::now()));
+            self.write(&cycle)?;
+            if cycle.step.governed.is_none_or(|governed| governed.at_rest) {
+                break;
+            }
+            due = next_due(due, self.cycle, Instant::now());
+            self.station.pace(due);
+            // a port's own beat may be ahead of this clock
+            due = due.min(Instant::now());
+        }
+        if let Err(error) = self.station.shut_down() {
+            self.print(&format!("the arm could not be stopped at its port: {error}"));
+        }
+        Ok(())
+    }
+
+    fn tell(&mut self, cycle: &Cycle, now: Instant) {
+        for line in self.talk.lines(cycle, self.station.robot().reason(), now) {
+            self.print(&line);
+        }
+    }
+
+    fn write(&mut self, cycle: &Cycle) -> Result<(), Failure> {
+        let t_s = self.began.elapsed().as_secs_f64();
+        let Some(record) = &mut self.record else { return Ok(()) };
+        if let Err(error) = record.write(t_s, cycle) {
+            // an arm that moves unrecorded is better than one that stops by surprise
+            self.record = None;
+            self.print(&format!("{:#}; the run goes on without", anyhow::Error::new(error)));
+        }
+        Ok(())
+    }
+
+    /// A line for the operator; in raw mode a terminal does not go back to its margin by itself.
+    pub(super) fn print(&self, line: &str) {
+        if self.keyboard.is_some() {
+            let text = line.replace('\n', "\r\n");
+            note(format_args!("{text}\r"));
+        } else {
+            note(line);
+        }
+    }
+}
+
+/// When the next cycle is due: the one after `due` or, where that is over, from now on.
+fn next_due(due: Instant, cycle: Duration, now: Instant) -> Instant {
+    let next = due + cycle;
+    if next < now { now } else { next }
+}
