@@ -51,7 +51,8 @@ def main():
     network.sync.start(0.01)
     node.rpdo[1].start(0.01)
     node.setup_402_state_machine(read_pdos=False)
-    wait_for("a periodic TPDO", lambda: node.tpdo[1].is_periodic)
+    # until a TPDO came the library tells a statusword of its own, 0
+    wait_for("the first statusword", lambda: node.statusword != 0)
     node.op_mode = "CYCLIC SYNCHRONOUS POSITION"
     if node.op_mode != "CYCLIC SYNCHRONOUS POSITION":
         sys.exit(f"mode {node.op_mode}")
