@@ -1,7 +1,7 @@
 //! A packet's body: version, kind, and the fields in postcard's encoding.
 
 use super::packet::{MotionPacket, ObservationPacket, Packet};
-use super::{DecodeError, EncodeError};
+use super::{ArmStatePacket, ButtonsPacket, DecodeError, EncodeError};
 use postcard::ser_flavors::{Flavor, Slice};
 use serde::de::DeserializeOwned;
 
@@ -11,16 +11,21 @@ pub const VERSION: u8 = 2;
 /// The kinds' numbers; a number once used is never given to another kind.
 pub(super) const OBSERVATION: u8 = 1;
 pub(super) const MOTION: u8 = 2;
+pub(super) const ARM_STATE: u8 = 3;
+pub(super) const BUTTONS: u8 = 4;
 
 const HEADER_LEN: usize = 2;
 
 /// The most bytes any body takes.
 pub const MAX_BODY_LEN: usize = HEADER_LEN
-    + if ObservationPacket::MAX_LEN > MotionPacket::MAX_LEN {
-        ObservationPacket::MAX_LEN
-    } else {
-        MotionPacket::MAX_LEN
-    };
+    + longer(
+        longer(ObservationPacket::MAX_LEN, MotionPacket::MAX_LEN),
+        longer(ArmStatePacket::MAX_LEN, ButtonsPacket::MAX_LEN),
+    );
+
+const fn longer(a: usize, b: usize) -> usize {
+    if a > b { a } else { b }
+}
 
 /// Writes a packet's body to the start of `out` and returns its length in bytes. For carriers that
 /// keep datagrams whole; over a stream use [`super::encode`].
@@ -55,6 +60,12 @@ pub fn decode_body(body: &[u8]) -> Result<Packet, DecodeError> {
             packet.check().map_err(DecodeError::Value)?;
             Ok(packet.into())
         }
+        ARM_STATE => {
+            let packet: ArmStatePacket = read_fields(fields)?;
+            packet.check().map_err(DecodeError::Value)?;
+            Ok(packet.into())
+        }
+        BUTTONS => read_fields::<ButtonsPacket>(fields).map(Packet::from),
         unknown => Err(DecodeError::UnknownKind(unknown)),
     }
 }
@@ -71,6 +82,11 @@ pub(super) fn write_body<F: Flavor>(packet: &Packet, sink: F) -> Result<F::Outpu
             packet.check().map_err(EncodeError::Value)?;
             postcard::serialize_with_flavor(&(VERSION, MOTION, packet), sink)
         }
+        Packet::ArmState(packet) => {
+            packet.check().map_err(EncodeError::Value)?;
+            postcard::serialize_with_flavor(&(VERSION, ARM_STATE, packet), sink)
+        }
+        Packet::Buttons(packet) => postcard::serialize_with_flavor(&(VERSION, BUTTONS, packet), sink),
     };
     // no packet holds anything that postcard cannot write, so only room can be wanting
     written.map_err(|_| EncodeError::BufferTooSmall)

@@ -2,7 +2,8 @@
 //!
 //! | layer | file | bytes |
 //! |---|---|---|
-//! | packet | [`packet`] | what one camera saw, or how the hand moved |
+//! | packet | [`packet`] | what one camera saw, how the hand moved |
+//! | | [`buttons`], [`arm_state`] | the operator's buttons; where the arm is, and why |
 //! | body | [`body`] | version, kind, then the packet's fields in postcard's encoding |
 //! | frame | [`frame`] | COBS(body, CRC-16), then a zero byte |
 //! | decoder | [`decoder`] | frames out of a stream that is split, joined or damaged anywhere |
@@ -13,12 +14,18 @@
 //!
 //! Nothing here panics: what cannot be written or read is refused by a value with a reason.
 
+pub mod arm_state;
 pub mod body;
+pub mod buttons;
 pub mod decoder;
 pub mod frame;
 pub mod packet;
 
+pub use arm_state::{
+    ArmReason, ArmState, ArmStatePacket, ArmVerdict, CommandEcho, ControllerState, MeasuredJoints,
+};
 pub use body::{MAX_BODY_LEN, VERSION, decode_body, encode_body};
+pub use buttons::ButtonsPacket;
 pub use decoder::{Decoder, Feed};
 pub use frame::{MAX_FRAME_LEN, encode};
 pub use packet::{Covariance, MotionPacket, ObservationPacket, Packet, Transform};

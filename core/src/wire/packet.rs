@@ -1,7 +1,7 @@
 //! The packets: what one camera saw, and how the hand moved. Plain arrays, no matrix types, so that
 //! what is sent is what is written here, field by field in this order.
 
-use super::BadValue;
+use super::{ArmStatePacket, BadValue, ButtonsPacket};
 use crate::geometry::{ImagePoint, Pose};
 use crate::hand::state::{PoseCovariance, PoseState};
 use crate::observation::{BALLS, ImageCovariance, Observation, ObservationState, Observations};
@@ -10,11 +10,11 @@ use serde::{Deserialize, Serialize};
 
 /// The most bytes postcard takes for an unsigned integer: seven bits a byte.
 const MAX_U16: usize = 3;
-const MAX_U32: usize = 5;
-const MAX_U64: usize = 10;
+pub(super) const MAX_U32: usize = 5;
+pub(super) const MAX_U64: usize = 10;
 /// A byte, a bool, or an enum of fewer than 128 variants.
-const BYTE: usize = 1;
-const F32: usize = 4;
+pub(super) const BYTE: usize = 1;
+pub(super) const F32: usize = 4;
 
 /// The largest element of R^T R - I that passes as a rotation. Rotations are kept to 1e-6 by
 /// [`crate::hand::orientation`]; this is for senders that do worse, and 1e-3 is 0.03 degrees.
@@ -89,13 +89,13 @@ pub struct Transform {
 }
 
 impl Transform {
-    const MAX_LEN: usize = 12 * F32;
+    pub(super) const MAX_LEN: usize = 12 * F32;
 
     /// No motion at all.
     pub const IDENTITY: Self =
         Self { translation: [0.0; 3], rotation: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0] };
 
-    fn check(&self) -> Result<(), BadValue> {
+    pub(super) fn check(&self) -> Result<(), BadValue> {
         if !self.translation.iter().chain(&self.rotation).all(|x| x.is_finite()) {
             return Err(BadValue::NotFinite);
         }
@@ -250,6 +250,10 @@ pub enum Packet {
     Observation(ObservationPacket),
     /// How the hand moved.
     Motion(MotionPacket),
+    /// Where the arm is, and why.
+    ArmState(ArmStatePacket),
+    /// The operator's buttons.
+    Buttons(ButtonsPacket),
 }
 
 impl From<ObservationPacket> for Packet {
@@ -261,5 +265,41 @@ impl From<ObservationPacket> for Packet {
 impl From<MotionPacket> for Packet {
     fn from(packet: MotionPacket) -> Self {
         Self::Motion(packet)
+    }
+}
+
+impl From<ArmStatePacket> for Packet {
+    fn from(packet: ArmStatePacket) -> Self {
+        Self::ArmState(packet)
+    }
+}
+
+impl From<ButtonsPacket> for Packet {
+    fn from(packet: ButtonsPacket) -> Self {
+        Self::Buttons(packet)
+    }
+}
+
+impl Packet {
+    /// The sender's session.
+    #[must_use]
+    pub const fn session(&self) -> u32 {
+        match self {
+            Self::Observation(packet) => packet.session,
+            Self::Motion(packet) => packet.session,
+            Self::ArmState(packet) => packet.session,
+            Self::Buttons(packet) => packet.session,
+        }
+    }
+
+    /// The packet's place among those of its kind (of an observation: of its camera) in its session.
+    #[must_use]
+    pub const fn sequence(&self) -> u32 {
+        match self {
+            Self::Observation(packet) => packet.sequence,
+            Self::Motion(packet) => packet.sequence,
+            Self::ArmState(packet) => packet.sequence,
+            Self::Buttons(packet) => packet.sequence,
+        }
     }
 }

@@ -13,6 +13,7 @@ use proptest::test_runner::TestRunner;
 use std::{format, string::String, vec, vec::Vec};
 
 mod pinned;
+mod stations;
 
 /// The packets of the examples in docs/wire.md.
 fn examples() -> [Packet; 2] {
@@ -157,7 +158,7 @@ fn motion_packet() -> impl Strategy<Value = Packet> {
 }
 
 fn packet() -> impl Strategy<Value = Packet> {
-    prop_oneof![observation_packet(), motion_packet()]
+    prop_oneof![observation_packet(), motion_packet(), stations::packet()]
 }
 
 proptest! {
@@ -327,7 +328,7 @@ fn every_reason_to_refuse_a_frame() {
     assert_eq!(refused(&with(&motion, 0, &[0])), UnknownVersion(0));
     assert_eq!(refused(&with(&motion, 0, &[1])), UnknownVersion(1));
     assert_eq!(refused(&with(&motion, 1, &[0])), UnknownKind(0));
-    assert_eq!(refused(&with(&motion, 1, &[3])), UnknownKind(3));
+    assert_eq!(refused(&with(&motion, 1, &[5])), UnknownKind(5));
 
     for (name, body) in [("observation", &observation), ("motion", &motion)] {
         for len in 2..body.len() {

@@ -196,6 +196,18 @@ impl Limits {
     /// None.
     pub const NONE: Self = Self(0);
 
+    /// A bit for each, as docs/wire.md lists them.
+    #[must_use]
+    pub const fn bits(self) -> u64 {
+        self.0
+    }
+
+    /// The set that has these bits; those without a meaning are kept and mean nothing.
+    #[must_use]
+    pub const fn from_bits(bits: u64) -> Self {
+        Self(bits)
+    }
+
     /// Whether it is in the set.
     #[must_use]
     pub const fn contains(self, limit: Limit) -> bool {

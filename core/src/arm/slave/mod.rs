@@ -17,6 +17,10 @@
 //! - While nothing is followed the set-point stands still and is still written, so that a port's
 //!   watchdog tells a station that has died from one that waits.
 
+mod report;
+
+pub use report::Stamp;
+
 use super::governor::{Governed, Governor, StartRefusal};
 use super::port::{JointReading, PortStatus};
 use super::puma560::{Joints, Puma560};

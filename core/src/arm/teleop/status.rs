@@ -273,6 +273,18 @@ impl fmt::Display for Note {
 pub struct Notes(u8);
 
 impl Notes {
+    /// A bit for each, as docs/wire.md lists them.
+    #[must_use]
+    pub const fn bits(self) -> u8 {
+        self.0
+    }
+
+    /// The set that has these bits; those without a meaning are kept and mean nothing.
+    #[must_use]
+    pub const fn from_bits(bits: u8) -> Self {
+        Self(bits)
+    }
+
     /// Whether a note is in the set.
     #[must_use]
     pub const fn contains(self, note: Note) -> bool {

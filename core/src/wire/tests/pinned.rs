@@ -2,10 +2,10 @@
 
 use super::*;
 
-const DOCUMENT: &str = include_str!("../../../../docs/wire.md");
+pub(super) const DOCUMENT: &str = include_str!("../../../../docs/wire.md");
 
 /// The bytes of a fenced block `hex NAME` in docs/wire.md; what follows a `#` is a remark.
-fn documented(name: &str) -> Vec<u8> {
+pub(super) fn documented(name: &str) -> Vec<u8> {
     let fence = format!("```hex {name}\n");
     let (_, block) =
         DOCUMENT.split_once(&fence).unwrap_or_else(|| panic!("docs/wire.md has no block {fence}"));
@@ -17,7 +17,7 @@ fn documented(name: &str) -> Vec<u8> {
         .collect()
 }
 
-fn hex(bytes: &[u8]) -> String {
+pub(super) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x} ")).collect()
 }
 

@@ -154,7 +154,7 @@ impl Reader {
                         }
                     }
                     // what cameras saw is for somebody else
-                    Ok(Packet::Observation(_)) => {}
+                    Ok(Packet::Observation(_) | Packet::ArmState(_) | Packet::Buttons(_)) => {}
                     Err(_) => {
                         self.counts.damaged.fetch_add(1, Ordering::Relaxed);
                     }

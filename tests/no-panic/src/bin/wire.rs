@@ -6,7 +6,8 @@ use core::hint::black_box;
 use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::Observation;
 use tetrad_core::wire::{
-    Covariance, Decoder, Feed, MotionPacket, ObservationPacket, Packet, Transform, decode_body, encode,
+    ArmReason, ArmState, ArmStatePacket, ArmVerdict, ButtonsPacket, CommandEcho, ControllerState, Covariance,
+    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, Transform, decode_body, encode,
     encode_body,
 };
 
@@ -36,8 +37,39 @@ tetrad_no_panic::program!({
         since_engage: Transform::IDENTITY,
         covariance: Some(Covariance { upper: [0.0; 21] }),
     });
+    let state = Packet::from(ArmStatePacket {
+        session: 1,
+        sequence: 2,
+        time_us: 3,
+        state: ArmState::Engaged,
+        reason: ArmReason::None,
+        notes: 4,
+        verdict: ArmVerdict::Pass,
+        limits: 5,
+        speed_share: 0.5,
+        controller: ControllerState::Fault { joint: 6, code: 7 },
+        measured: Some(MeasuredJoints { joints: [0.0; 6], age_us: 8 }),
+        set_point: [0.0; 6],
+        tool: Transform::IDENTITY,
+        command: Some(CommandEcho {
+            session: 9,
+            sequence: 10,
+            received_us: 11,
+            solved_after_us: 12,
+            written_after_us: 13,
+        }),
+        buttons_age_us: Some(14),
+    });
+    let buttons = Packet::from(ButtonsPacket {
+        session: 1,
+        sequence: 2,
+        time_us: 3,
+        pressed: true,
+        stop: false,
+        resets: 4,
+    });
     let mut buffer = black_box([0_u8; 300]);
-    for packet in black_box([observations, motion]) {
+    for packet in black_box([observations, motion, state, buttons]) {
         for length in black_box([0_usize, 9, 300]) {
             if let Some(out) = buffer.get_mut(..length) {
                 let _ = black_box(encode_body(&packet, out));

@@ -2,11 +2,14 @@
 
 mod bounds;
 
+mod report;
+
 mod states;
 
 mod ways;
 
 use super::*;
+use crate::arm::governor::Limits;
 use crate::arm::teleop::tests::{FRAME_US, Sender, at, double};
 use crate::config::JOINTS;
 use crate::geometry::Pose;
