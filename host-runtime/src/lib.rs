@@ -22,6 +22,8 @@
 //!
 //! [`robot`] opens what is to be driven: the ports between the slave's law and a controller of an arm.
 //!
+//! [`link`] joins the stations: packets, pictures and clocks over QUIC, between named stations only.
+//!
 //! [`settings`] turns flags and files into checked settings, [`cli`] runs a command with them, and
 //! [`exit`] carries what went wrong to `main`, which alone prints errors and ends the process.
 
@@ -33,6 +35,7 @@ pub mod evaluate;
 pub mod exit;
 pub mod filter_quality;
 pub mod learning;
+pub mod link;
 pub mod output;
 pub mod pipeline;
 pub mod report;

@@ -140,7 +140,7 @@ fn wrong_usage_is_exit_code_2_and_help_is_0() {
         .refused(2, &["other", "refined", "paper"]);
     tetrad(dir.path(), "demo --seconds nan").refused(2, &["--seconds"]);
     tetrad(dir.path(), "demo --scene nothing").refused(2, &["nothing", "linear-0.5-30fps"]);
-    for command in ["track", "learn", "demo"] {
+    for command in ["track", "learn", "demo", "keys"] {
         let help = tetrad(dir.path(), &format!("{command} --help")).done().stdout;
         assert!(help.contains("Examples:") && help.contains(&format!("tetrad {command}")), "{help}");
     }

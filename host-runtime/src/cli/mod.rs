@@ -5,6 +5,7 @@ mod demo;
 pub mod devices;
 mod evaluate;
 mod interrupt;
+mod keys;
 mod learn;
 mod progress;
 mod slave;
@@ -52,6 +53,9 @@ enum Command {
     /// Measure both modes as section 5 of the paper does, and report
     #[command(after_help = evaluate::EXAMPLES)]
     Evaluate(evaluate::EvaluateArgs),
+    /// Make the authority, certificates and keys by which stations know each other
+    #[command(after_help = keys::EXAMPLES)]
+    Keys(keys::KeysArgs),
     /// Teach the balls' colours as one camera sees them
     #[command(after_help = learn::EXAMPLES)]
     Learn(learn::LearnArgs),
@@ -73,6 +77,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Demo(args) => demo::run(&args),
         Command::Devices => devices::run(),
         Command::Evaluate(args) => evaluate::run(&args),
+        Command::Keys(args) => keys::run(&args),
         Command::Learn(args) => learn::run(&args),
         Command::Slave(args) => slave::run(&args),
         Command::Track(args) => track::run(args),

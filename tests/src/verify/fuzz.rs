@@ -21,6 +21,10 @@ pub(super) fn packet(context: &Context) -> Outcome {
     fuzz(context, "packet")
 }
 
+pub(super) fn link(context: &Context) -> Outcome {
+    fuzz(context, "link")
+}
+
 pub(super) fn colours(context: &Context) -> Outcome {
     fuzz(context, "colours")
 }

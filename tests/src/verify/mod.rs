@@ -138,6 +138,12 @@ pub const CHECKS: &[Check] = &[
         run: fuzz::packet,
     },
     Check {
+        name: "fuzz-link",
+        protects: "no bytes from a peer make the link panic, or let an old packet through",
+        quick: false,
+        run: fuzz::link,
+    },
+    Check {
         name: "fuzz-colours",
         protects: "no colours.toml makes its parser panic",
         quick: false,

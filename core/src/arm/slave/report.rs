@@ -64,9 +64,16 @@ fn single<T: Real>(value: T) -> f32 {
     value.to_f64() as f32
 }
 
-/// Rounding may carry a share a little beyond its ends.
+/// Rounding may carry a share a little beyond its ends; what is no number is none at all.
 fn share<T: Real>(value: T) -> f32 {
-    single(value).max(0.0).min(1.0)
+    let share = single(value);
+    if share > 1.0 {
+        1.0
+    } else if share > 0.0 {
+        share
+    } else {
+        0.0
+    }
 }
 
 fn single_pose<T: Real>(pose: &Pose<T>) -> Pose<f32> {

@@ -1,0 +1,54 @@
+//! What happens to a link, for a person to read: one line each.
+
+use std::fmt;
+use std::net::SocketAddr;
+
+use super::name::StationName;
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LinkEvent {
+    /// A peer is there.
+    Connected {
+        /// Who.
+        peer: StationName,
+        /// From where.
+        address: SocketAddr,
+    },
+    /// A peer that was there is gone; it is waited for, or dialled again.
+    Lost {
+        /// Who.
+        peer: StationName,
+        /// Why, in QUIC's words or the peer's.
+        reason: String,
+    },
+    /// A peer does not answer, or refuses. Told once for each reason, and dialled again and again.
+    NotReached {
+        /// Who.
+        peer: StationName,
+        /// The address that was dialled.
+        address: String,
+        /// Why not.
+        reason: String,
+    },
+    /// Somebody was turned away.
+    Refused {
+        /// From where.
+        address: SocketAddr,
+        /// Why.
+        reason: String,
+    },
+}
+
+impl fmt::Display for LinkEvent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Connected { peer, address } => write!(f, "link: {peer} is connected ({address})"),
+            Self::Lost { peer, reason } => write!(f, "link: {peer} is lost: {reason}"),
+            Self::NotReached { peer, address, reason } => {
+                write!(f, "link: {peer} is not reached at {address}: {reason}")
+            }
+            Self::Refused { address, reason } => write!(f, "link: {address} is refused: {reason}"),
+        }
+    }
+}

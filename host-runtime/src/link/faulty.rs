@@ -1,0 +1,304 @@
+//! A link without a network, for tests: two ends in one process, and between them whatever can go wrong.
+//!
+//! Everything is drawn from a seed and told the time by hand, so a run is the same each time and an hour
+//! takes a moment. What the stations see is what they see over QUIC: the same inbox decides what counts.
+//! QUIC drops a packet that was changed or that came before; here damage and copies are handed on to
+//! the inbox instead, so that what stands behind QUIC is tried as well.
+
+use super::carrier::Carrier;
+use super::inbox::{Dropped, EndedSession, Inbox};
+use crate::robot::clock::Clock;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use tetrad_core::wire::{EncodeError, MAX_BODY_LEN, Packet, encode_body};
+
+/// What goes wrong on the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Faults {
+    /// The share of packets that are lost: 0 to 1.
+    pub loss: f64,
+    /// How long each takes, microseconds.
+    pub delay_us: u64,
+    /// How much longer it takes at most, drawn evenly, microseconds. Where it is more than the time
+    /// between packets, they overtake each other.
+    pub jitter_us: u64,
+    /// The share of packets that come twice, the copy drawn anew from delay and jitter.
+    pub duplication: f64,
+    /// The share of packets of which one bit is changed.
+    pub corruption: f64,
+    /// The share of packets that are kept and come again one second later.
+    pub replay: f64,
+    /// From when until when the cable is cut, microseconds.
+    pub cut: Option<(u64, u64)>,
+}
+
+/// How long a kept packet is kept, microseconds.
+const REPLAYED_AFTER_US: u64 = 1_000_000;
+
+/// What happened on the way to one end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Carried {
+    /// Packets that were sent.
+    pub sent: u64,
+    /// Copies that came to the inbox.
+    pub arrived: u64,
+    /// Of those, what the inbox dropped.
+    pub dropped: u64,
+}
+
+/// One end of the loopback. Clones are the same end.
+#[derive(Clone, Debug)]
+pub struct FaultyEnd {
+    here: Rc<RefCell<Inbox>>,
+    /// What is on its way to the other end.
+    away: Rc<RefCell<Way>>,
+    /// What is on its way to this one.
+    back: Rc<RefCell<Way>>,
+    clock: Clock,
+}
+
+#[derive(Debug)]
+struct Way {
+    faults: Faults,
+    draws: Draws,
+    /// By when they arrive, and then in the order they were sent.
+    flying: BTreeMap<(u64, u64), Vec<u8>>,
+    carried: Carried,
+}
+
+/// Two ends of a link with a clock that is [given](Clock::given): set it, then ask either end. Faults
+/// may differ for the two ways: `[to the second end, to the first]`.
+#[must_use]
+pub fn pair(seed: u64, faults: [Faults; 2], clock: &Clock) -> [FaultyEnd; 2] {
+    let way = |faults, seed| {
+        let draws = Draws(seed);
+        Rc::new(RefCell::new(Way { faults, draws, flying: BTreeMap::new(), carried: Carried::default() }))
+    };
+    let [to_second, to_first] = faults;
+    let (to_second, to_first) = (way(to_second, 2 * seed + 1), way(to_first, 2 * seed + 2));
+    let end = |away: &Rc<RefCell<Way>>, back: &Rc<RefCell<Way>>| FaultyEnd {
+        here: Rc::default(),
+        away: Rc::clone(away),
+        back: Rc::clone(back),
+        clock: clock.clone(),
+    };
+    [end(&to_second, &to_first), end(&to_first, &to_second)]
+}
+
+impl FaultyEnd {
+    /// The other end has said which session its packets are of.
+    ///
+    /// # Errors
+    /// [`EndedSession`]
+    pub fn begin(&self, session: u32) -> Result<(), EndedSession> {
+        self.here.borrow_mut().begin(session)
+    }
+
+    /// From now on something else goes wrong on the way to the other end.
+    pub fn set_faults(&self, faults: Faults) {
+        self.away.borrow_mut().faults = faults;
+    }
+
+    /// What happened on the way to this end.
+    #[must_use]
+    pub fn carried(&self) -> Carried {
+        self.back.borrow().carried
+    }
+
+    /// What has arrived by now goes to the inbox, in the order of its arrival.
+    fn arrive(&self) {
+        let now_us = self.clock.now_us();
+        let mut way = self.back.borrow_mut();
+        let mut here = self.here.borrow_mut();
+        while let Some(entry) = way.flying.first_entry() {
+            let (at_us, _) = *entry.key();
+            if at_us > now_us {
+                break;
+            }
+            let body = entry.remove();
+            way.carried.arrived += 1;
+            let taken: Result<(), Dropped> = here.take(&body, at_us);
+            way.carried.dropped += u64::from(taken.is_err());
+        }
+    }
+}
+
+impl Carrier for FaultyEnd {
+    fn send(&self, packet: &Packet) -> Result<(), EncodeError> {
+        let mut body = [0; MAX_BODY_LEN];
+        let length = encode_body(packet, &mut body)?;
+        self.away.borrow_mut().send(body.get(..length).unwrap_or_default(), self.clock.now_us());
+        Ok(())
+    }
+
+    fn with_inbox<R>(&self, look: impl FnOnce(&mut Inbox) -> R) -> R {
+        self.arrive();
+        look(&mut self.here.borrow_mut())
+    }
+}
+
+impl Way {
+    fn send(&mut self, body: &[u8], now_us: u64) {
+        self.carried.sent += 1;
+        let faults = self.faults;
+        let cut = faults.cut.is_some_and(|(from_us, until_us)| (from_us..until_us).contains(&now_us));
+        // drawn in every case, so that one fault does not change what becomes of the others
+        let [lost, twice, damaged, kept] =
+            [faults.loss, faults.duplication, faults.corruption, faults.replay]
+                .map(|share| self.draws.share() < share);
+        let mut body = body.to_vec();
+        let bit = self.draws.below(8 * body.len() as u64);
+        if damaged && let Some(byte) = body.get_mut(usize::try_from(bit / 8).unwrap_or(0)) {
+            *byte ^= 1 << (bit % 8);
+        }
+        let takes = [(); 3].map(|()| faults.delay_us + self.draws.below(faults.jitter_us + 1));
+        if cut {
+            return;
+        }
+        let number = 3 * self.carried.sent;
+        let copies = [!lost, twice, kept];
+        for (place, (copied, takes_us)) in (0..).zip(copies.into_iter().zip(takes)) {
+            let later_us = if place == 2 { REPLAYED_AFTER_US } else { 0 };
+            if copied {
+                self.flying.insert((now_us + takes_us + later_us, number + place), body.clone());
+            }
+        }
+    }
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014): enough for a network, and the same everywhere.
+#[derive(Debug)]
+struct Draws(u64);
+
+impl Draws {
+    fn draw(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// 0 to 1, without 1.
+    fn share(&mut self) -> f64 {
+        (self.draw() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Less than `bound`; 0 where that is 0.
+    fn below(&mut self, bound: u64) -> u64 {
+        self.draw().checked_rem(bound).unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_packets::{buttons, motion};
+    use super::*;
+
+    const SESSION: u32 = 7;
+    const PERIOD_US: u64 = 10_000;
+
+    /// Sends a motion each 10 ms for so many, and gives the numbers and ages of those that came through.
+    fn run(seed: u64, faults: Faults, packets: u32) -> (Vec<(u32, u64)>, FaultyEnd) {
+        let clock = Clock::given();
+        let [operator, slave] = pair(seed, [faults, Faults::default()], &clock);
+        slave.begin(SESSION).unwrap();
+        let mut came = Vec::new();
+        for tick in 0..10 * (u64::from(packets) + 400) {
+            let now_us = tick * PERIOD_US / 10;
+            clock.set(now_us);
+            let sequence = u32::try_from(tick / 10).unwrap();
+            if tick % 10 == 0 && sequence < packets {
+                operator.send(&motion(SESSION, sequence)).unwrap();
+            }
+            if let Some(newest) = slave.motion() {
+                let sent_us = u64::from(newest.what.sequence) * PERIOD_US;
+                came.push((newest.what.sequence, now_us.saturating_sub(sent_us)));
+            }
+        }
+        (came, slave)
+    }
+
+    #[test]
+    fn without_faults_all_comes_at_once() {
+        let (came, slave) = run(1, Faults::default(), 50);
+        assert_eq!(came, (0..50).map(|sequence| (sequence, 0)).collect::<Vec<_>>());
+        assert_eq!(slave.carried(), Carried { sent: 50, arrived: 50, dropped: 0 });
+    }
+
+    #[test]
+    fn the_same_seed_is_the_same_network() {
+        let faults = Faults { loss: 0.3, delay_us: 20_000, jitter_us: 40_000, ..Faults::default() };
+        assert_eq!(run(5, faults, 200).0, run(5, faults, 200).0);
+        assert_ne!(run(5, faults, 200).0, run(6, faults, 200).0);
+    }
+
+    #[test]
+    fn whatever_the_network_does_only_newer_motion_comes_through() {
+        let everything = Faults {
+            loss: 0.3,
+            delay_us: 100_000,
+            jitter_us: 60_000,
+            duplication: 0.5,
+            corruption: 0.0,
+            replay: 0.5,
+            cut: Some((2_000_000, 4_000_000)),
+        };
+        for seed in 0..20 {
+            let (came, slave) = run(seed, everything, 1_000);
+            assert!(came.windows(2).all(|pair| pair[0].0 < pair[1].0), "{came:?}");
+            // what is kept on the way comes through only where nothing newer does: in the cut, at the end
+            let old: Vec<_> =
+                came.iter().filter(|(_, age_us)| !(100_000..=170_000).contains(age_us)).collect();
+            assert!(
+                old.iter().all(|(sequence, _)| (150..200).contains(sequence) || *sequence > 950),
+                "{old:?}"
+            );
+            let gap = came.iter().filter(|(sequence, _)| (200..400).contains(sequence)).count();
+            assert_eq!(gap, 0, "nothing came through the cut");
+            assert!(came.last().unwrap().0 > 950, "it goes on after the cut");
+            let counts = slave.with_inbox(|inbox| inbox.counts());
+            assert!(counts.motion.repeated > 100 && counts.motion.late > 10, "{counts:?}");
+            assert!(slave.carried().dropped > 100);
+        }
+    }
+
+    #[test]
+    fn loss_is_measured() {
+        for loss in [0.0, 0.1, 0.5] {
+            let faults = Faults { loss, jitter_us: 30_000, ..Faults::default() };
+            let (_, slave) = run(3, faults, 4_000);
+            let measured = slave.with_inbox(|inbox| inbox.counts().motion.loss());
+            assert!((measured - loss).abs() < 0.03, "{loss}: {measured}");
+        }
+    }
+
+    #[test]
+    fn damage_is_refused_or_harmless() {
+        // QUIC lets no changed bit through; what the packets' own checks cannot see is a changed number
+        let (came, slave) = run(9, Faults { corruption: 1.0, ..Faults::default() }, 2_000);
+        let counts = slave.with_inbox(|inbox| inbox.counts());
+        assert!(counts.no_packet > 200, "{counts:?}");
+        assert!(counts.other_session > 5, "{counts:?}");
+        assert!(came.len() < 2_000);
+    }
+
+    #[test]
+    fn a_session_that_ended_stays_ended_behind_any_delay() {
+        let clock = Clock::given();
+        let slow = Faults { delay_us: 500_000, ..Faults::default() };
+        let [operator, slave] = pair(1, [slow, Faults::default()], &clock);
+        slave.begin(7).unwrap();
+        operator.send(&motion(7, 100)).unwrap();
+        operator.send(&buttons(7, 100, true)).unwrap();
+        clock.set(100_000);
+        slave.begin(8).unwrap();
+        operator.send(&motion(8, 0)).unwrap();
+        clock.set(550_000);
+        assert_eq!((slave.motion(), slave.buttons()), (None, None), "of the session before");
+        clock.set(600_000);
+        let newest = slave.motion().unwrap();
+        assert_eq!((newest.what.session, newest.received_us), (8, 600_000));
+    }
+}
