@@ -73,11 +73,13 @@ pub enum ArmReason {
     LetGo,
     /// Armed: it takes a release and a press, for the sender of motion has changed.
     NewSender,
+    /// Stopped: the arm's port refused a set-point.
+    SetPointRefused,
 }
 
 impl ArmReason {
     /// Every reason, in the order of their numbers.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::None,
         Self::Started,
         Self::Asked,
@@ -98,6 +100,7 @@ impl ArmReason {
         Self::Engage,
         Self::LetGo,
         Self::NewSender,
+        Self::SetPointRefused,
     ];
 }
 

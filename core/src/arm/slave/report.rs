@@ -106,6 +106,7 @@ const fn reason(status: Status) -> ArmReason {
         Status::Stopped(StopReason::Started) => ArmReason::Started,
         Status::Stopped(StopReason::Asked) => ArmReason::Asked,
         Status::Stopped(StopReason::TwoSenders) => ArmReason::TwoSenders,
+        Status::Stopped(StopReason::SetPointRefused) => ArmReason::SetPointRefused,
         Status::Fault(FaultReason::ArmNotReady) => ArmReason::ArmNotReady,
         Status::Fault(FaultReason::Arm) => ArmReason::Arm,
         Status::Fault(FaultReason::ArmCannotStart) => ArmReason::ArmCannotStart,
