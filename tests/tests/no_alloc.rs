@@ -178,6 +178,8 @@ fn packets_allocate_nothing() {
         session: 7,
         sequence: u32::MAX,
         capture_us: u64::MAX,
+        ready_us: u32::MAX,
+        observed_us: u32::MAX,
         width: 640,
         height: 480,
         pixels_tested: 4000,

@@ -184,6 +184,20 @@ impl CommandEcho {
     const MAX_LEN: usize = 2 * MAX_U32 + MAX_U64 + 2 * MAX_U32;
 }
 
+/// The newest motion whose goal the arm has reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Settled {
+    /// The motion's sequence; its session is that of `command`.
+    pub sequence: u32,
+    /// Microseconds from when it came until the measured joints had reached its goal.
+    pub after_us: u32,
+}
+
+impl Settled {
+    const MAX_LEN: usize = 2 * MAX_U32;
+}
+
 /// Where the arm is, and why. The slave sends it again and again, whether or not anything moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -216,6 +230,9 @@ pub struct ArmStatePacket {
     pub tool: Transform,
     /// The newest motion that was used; `None` before the first.
     pub command: Option<CommandEcho>,
+    /// The newest motion whose goal the measured joints have reached; `None` before the first of the
+    /// session.
+    pub settled: Option<Settled>,
     /// How long ago the state of the operator's button was heard, microseconds; `None`: never.
     pub buttons_age_us: Option<u32>,
 }
@@ -234,6 +251,8 @@ impl ArmStatePacket {
         + Transform::MAX_LEN
         + BYTE
         + CommandEcho::MAX_LEN
+        + BYTE
+        + Settled::MAX_LEN
         + BYTE
         + MAX_U32;
 

@@ -22,7 +22,7 @@ pub mod frame;
 pub mod packet;
 
 pub use arm_state::{
-    ArmReason, ArmState, ArmStatePacket, ArmVerdict, CommandEcho, ControllerState, MeasuredJoints,
+    ArmReason, ArmState, ArmStatePacket, ArmVerdict, CommandEcho, ControllerState, MeasuredJoints, Settled,
 };
 pub use body::{MAX_BODY_LEN, VERSION, decode_body, encode_body};
 pub use buttons::ButtonsPacket;

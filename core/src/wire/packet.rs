@@ -35,6 +35,10 @@ pub struct ObservationPacket {
     pub sequence: u32,
     /// When the picture was taken, on the sender's clock, microseconds.
     pub capture_us: u64,
+    /// When the whole picture was in the sender's memory, microseconds after `capture_us`.
+    pub ready_us: u32,
+    /// When these observations were made of it, microseconds after `capture_us`.
+    pub observed_us: u32,
     /// The picture's width, px.
     pub width: u16,
     /// The picture's height, px.
@@ -48,7 +52,7 @@ pub struct ObservationPacket {
 impl ObservationPacket {
     /// The most bytes the fields take.
     pub const MAX_LEN: usize =
-        BYTE + 2 * MAX_U32 + MAX_U64 + 2 * MAX_U16 + MAX_U32 + BALLS * (BYTE + 7 * F32);
+        BYTE + 2 * MAX_U32 + MAX_U64 + 2 * MAX_U32 + 2 * MAX_U16 + MAX_U32 + BALLS * (BYTE + 7 * F32);
 
     /// The same without what has no meaning: a lost ball has no place.
     pub(super) fn tidied(mut self) -> Self {

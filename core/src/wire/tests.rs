@@ -26,6 +26,8 @@ fn examples() -> [Packet; 2] {
         session: 300,
         sequence: 7,
         capture_us: 1_000_000,
+        ready_us: 2_000,
+        observed_us: 2_900,
         width: 640,
         height: 480,
         pixels_tested: 1500,
@@ -65,6 +67,7 @@ fn largest() -> [Packet; 2] {
     };
     (observation.camera, observation.session, observation.sequence) = (u8::MAX, u32::MAX, u32::MAX);
     (observation.capture_us, observation.pixels_tested) = (u64::MAX, u32::MAX);
+    (observation.ready_us, observation.observed_us) = (u32::MAX, u32::MAX);
     (observation.width, observation.height) = (u16::MAX, u16::MAX);
     (motion.session, motion.sequence, motion.capture_us) = (u32::MAX, u32::MAX, u64::MAX);
     (motion.engagements, motion.spans) = (u32::MAX, u32::MAX);
@@ -116,11 +119,25 @@ fn observation_packet() -> impl Strategy<Value = Packet> {
         let covariance = ImageCovariance { uu: variance, uv: 0.5 * variance, vv: variance };
         Observation { state, centre: ImagePoint::new(u, v), diameter, covariance, visible }
     });
-    let counts = (any::<u8>(), any::<u32>(), any::<u32>(), any::<u64>(), any::<[u16; 2]>(), any::<u32>());
+    let counts =
+        (any::<u8>(), any::<u32>(), any::<u32>(), any::<[u32; 2]>(), any::<[u16; 2]>(), any::<u32>());
+    let counts = (any::<u64>(), counts);
     (counts, prop::array::uniform4(ball)).prop_map(|(counts, balls)| {
-        let (camera, session, sequence, capture_us, [width, height], pixels_tested) = counts;
-        ObservationPacket { camera, session, sequence, capture_us, width, height, pixels_tested, balls }
-            .into()
+        let (capture_us, counts) = counts;
+        let (camera, session, sequence, [ready_us, observed_us], [width, height], pixels_tested) = counts;
+        ObservationPacket {
+            camera,
+            session,
+            sequence,
+            capture_us,
+            ready_us,
+            observed_us,
+            width,
+            height,
+            pixels_tested,
+            balls,
+        }
+        .into()
     })
 }
 
@@ -326,7 +343,7 @@ fn every_reason_to_refuse_a_frame() {
         [Err(Overlong)]
     );
     assert_eq!(refused(&with(&motion, 0, &[0])), UnknownVersion(0));
-    assert_eq!(refused(&with(&motion, 0, &[1])), UnknownVersion(1));
+    assert_eq!(refused(&with(&motion, 0, &[2])), UnknownVersion(2));
     assert_eq!(refused(&with(&motion, 1, &[0])), UnknownKind(0));
     assert_eq!(refused(&with(&motion, 1, &[5])), UnknownKind(5));
 

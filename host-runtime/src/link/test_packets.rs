@@ -36,6 +36,8 @@ pub(super) fn observation(session: u32, sequence: u32, camera: u8) -> Packet {
         session,
         sequence,
         capture_us: 5,
+        ready_us: 6,
+        observed_us: 7,
         width: 640,
         height: 480,
         pixels_tested: 100,

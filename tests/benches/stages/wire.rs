@@ -32,6 +32,8 @@ fn packet(kind: &str) -> Packet {
             session: 7,
             sequence: u32::MAX,
             capture_us: u64::MAX,
+            ready_us: 2_000,
+            observed_us: 2_500,
             width: 640,
             height: 480,
             pixels_tested: 4000,

@@ -8,7 +8,8 @@ use crate::config::JOINTS;
 use crate::geometry::Pose;
 use crate::real::Real;
 use crate::wire::{
-    ArmReason, ArmState, ArmStatePacket, ArmVerdict, CommandEcho, ControllerState, MeasuredJoints, Transform,
+    ArmReason, ArmState, ArmStatePacket, ArmVerdict, CommandEcho, ControllerState, MeasuredJoints, Settled,
+    Transform,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -23,6 +24,8 @@ pub struct Stamp {
     pub time_us: u64,
     /// The newest motion that was used.
     pub command: Option<CommandEcho>,
+    /// The newest motion whose goal the measured joints have reached.
+    pub settled: Option<Settled>,
     /// How long ago the operator's buttons were heard, microseconds.
     pub buttons_age_us: Option<u32>,
 }
@@ -55,6 +58,7 @@ impl<T: Real> SlaveStep<T> {
                 .unwrap_or([0.0; JOINTS]),
             tool: tool.map_or(Transform::IDENTITY, |pose| single_pose(&pose).into()),
             command: stamp.command,
+            settled: stamp.settled,
             buttons_age_us: stamp.buttons_age_us,
         }
     }

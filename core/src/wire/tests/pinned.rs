@@ -49,7 +49,7 @@ fn the_lengths_are_reached_and_never_passed() {
     let [observation, motion] = largest();
     assert_eq!(body_of(&observation).len(), 2 + ObservationPacket::MAX_LEN);
     assert_eq!(body_of(&motion).len(), 2 + MotionPacket::MAX_LEN);
-    assert_eq!((ObservationPacket::MAX_LEN, MotionPacket::MAX_LEN), (148, 222));
+    assert_eq!((ObservationPacket::MAX_LEN, MotionPacket::MAX_LEN), (158, 222));
     assert_eq!((MAX_BODY_LEN, MAX_FRAME_LEN), (224, 228));
     assert_eq!(frame_of(&motion).len(), MAX_FRAME_LEN);
 }
@@ -78,7 +78,7 @@ fn the_numbers_of_states_are_pinned() {
     let [observation, motion] = examples().map(|packet| body_of(&packet));
     assert_eq!(
         (observation[..2].to_vec(), motion[..2].to_vec()),
-        (vec![2, 1], vec![2, 2]),
+        (vec![3, 1], vec![3, 2]),
         "version and kind"
     );
 }

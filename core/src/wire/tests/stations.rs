@@ -28,6 +28,7 @@ pub(super) fn examples() -> [Packet; 2] {
             solved_after_us: 40,
             written_after_us: 200,
         }),
+        settled: Some(Settled { sequence: 5, after_us: 60_000 }),
         buttons_age_us: Some(12_000),
     };
     let buttons = ButtonsPacket {
@@ -55,6 +56,7 @@ fn largest() -> [Packet; 2] {
         solved_after_us: u32::MAX,
         written_after_us: u32::MAX,
     });
+    state.settled = Some(Settled { sequence: u32::MAX, after_us: u32::MAX });
     (buttons.session, buttons.sequence, buttons.time_us) = (u32::MAX, u32::MAX, u64::MAX);
     buttons.resets = u32::MAX;
     [state.into(), buttons.into()]
@@ -78,9 +80,10 @@ fn arm_state_packet() -> impl Strategy<Value = Packet> {
     let joints = || prop::array::uniform6(finite());
     let measured = prop::option::of((joints(), any::<u32>()));
     let command = prop::option::of(any::<(u32, u32, u64, u32, u32)>());
+    let progress = (command, any::<Option<(u32, u32)>>());
     let place = (controller(), measured, joints(), pose(3.1, 2.0));
-    (any::<(u32, u32, u64)>(), law, place, command, any::<Option<u32>>()).prop_map(
-        |((session, sequence, time_us), law, place, command, buttons_age_us)| {
+    (any::<(u32, u32, u64)>(), law, place, progress, any::<Option<u32>>()).prop_map(
+        |((session, sequence, time_us), law, place, (command, settled), buttons_age_us)| {
             let (state, reason, verdict, (notes, limits), speed_share) = law;
             let (controller, measured, set_point, tool) = place;
             let measured = measured.map(|(joints, age_us)| MeasuredJoints { joints, age_us });
@@ -91,6 +94,7 @@ fn arm_state_packet() -> impl Strategy<Value = Packet> {
                 solved_after_us: solved,
                 written_after_us: written,
             });
+            let settled = settled.map(|(sequence, after_us)| Settled { sequence, after_us });
             ArmStatePacket {
                 session,
                 sequence,
@@ -106,6 +110,7 @@ fn arm_state_packet() -> impl Strategy<Value = Packet> {
                 set_point,
                 tool: tool.into(),
                 command,
+                settled,
                 buttons_age_us,
             }
             .into()

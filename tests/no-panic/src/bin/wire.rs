@@ -7,7 +7,7 @@ use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::Observation;
 use tetrad_core::wire::{
     ArmReason, ArmState, ArmStatePacket, ArmVerdict, ButtonsPacket, CommandEcho, ControllerState, Covariance,
-    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, Transform, decode_body, encode,
+    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, Settled, Transform, decode_body, encode,
     encode_body,
 };
 
@@ -17,9 +17,11 @@ tetrad_no_panic::program!({
         session: 2,
         sequence: 3,
         capture_us: 4,
-        width: 5,
-        height: 6,
-        pixels_tested: 7,
+        ready_us: 5,
+        observed_us: 6,
+        width: 7,
+        height: 8,
+        pixels_tested: 9,
         balls: [Observation::default(); 4],
     });
     let motion = Packet::from(MotionPacket {
@@ -58,7 +60,8 @@ tetrad_no_panic::program!({
             solved_after_us: 12,
             written_after_us: 13,
         }),
-        buttons_age_us: Some(14),
+        settled: Some(Settled { sequence: 14, after_us: 15 }),
+        buttons_age_us: Some(16),
     });
     let buttons = Packet::from(ButtonsPacket {
         session: 1,

@@ -4,8 +4,8 @@ use super::*;
 use crate::arm::governor::Limit;
 use crate::arm::port::PortFault;
 use crate::wire::{
-    ArmReason, ArmState, ArmVerdict, CommandEcho, ControllerState, MAX_BODY_LEN, Packet, decode_body,
-    encode_body,
+    ArmReason, ArmState, ArmVerdict, CommandEcho, ControllerState, MAX_BODY_LEN, Packet, Settled,
+    decode_body, encode_body,
 };
 
 const STAMP: Stamp = Stamp {
@@ -19,6 +19,7 @@ const STAMP: Stamp = Stamp {
         solved_after_us: 4,
         written_after_us: 5,
     }),
+    settled: Some(Settled { sequence: 1, after_us: 9 }),
     buttons_age_us: Some(8),
 };
 
@@ -37,7 +38,8 @@ fn a_cycle_is_told_as_it_was() {
     for limit in governed.limits.iter() {
         assert!(Limits::from_bits(packet.limits).contains(limit), "{limit}");
     }
-    assert_eq!((packet.command, packet.buttons_age_us), (STAMP.command, STAMP.buttons_age_us));
+    assert_eq!((packet.command, packet.settled), (STAMP.command, STAMP.settled));
+    assert_eq!(packet.buttons_age_us, STAMP.buttons_age_us);
     let mut out = [0; MAX_BODY_LEN];
     let length = encode_body(&packet.into(), &mut out).unwrap();
     assert_eq!(decode_body(&out[..length]), Ok(Packet::from(packet)));
