@@ -14,9 +14,12 @@ use std::path::{Path, PathBuf};
 use tetrad_core::config::{FilterConfig, MAX_ARM_M, MIN_ARM_M};
 
 pub mod arm;
+mod file;
+pub mod station;
 
 mod filter;
 
+pub use file::SettingsError;
 pub use filter::{FilterArgs, PredictionFlag, SmoothingFlag};
 
 /// The focal lengths that can be given, px: from a fisheye on a small picture to a long lens on the

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand. Commands print results; errors go up to `main`.
 
 mod arm;
+mod check;
 mod demo;
 pub mod devices;
 mod evaluate;
@@ -44,6 +45,9 @@ enum Command {
     /// The arm's kinematics, CSV in and CSV out
     #[command(after_help = arm::EXAMPLES)]
     Arm(arm::ArmArgs),
+    /// Say what a station's file means, or what is wrong with it; nothing is opened, nothing moves
+    #[command(after_help = check::EXAMPLES)]
+    Check(check::CheckArgs),
     /// Simulated cameras and hand: learn, track and compare with the truth
     #[command(after_help = demo::EXAMPLES)]
     Demo(demo::DemoArgs),
@@ -74,6 +78,7 @@ enum Command {
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Arm(args) => arm::run(&args),
+        Command::Check(args) => check::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Devices => devices::run(),
         Command::Evaluate(args) => evaluate::run(&args),

@@ -2,6 +2,7 @@
 
 use super::authority::KeyFiles;
 use super::name::StationName;
+use super::tls;
 use rustls::RootCertStore;
 use rustls::client::verify_server_name;
 use rustls::pki_types::pem::{self, PemObject as _};
@@ -43,6 +44,20 @@ pub enum IdentityError {
     /// The certificate of the authority cannot be used.
     #[error("{} is no authority's certificate; copy authority.pem from where `tetrad keys` was run", .0.display())]
     BadAuthority(PathBuf, #[source] rustls::Error),
+    /// The key is not the certificate's, or the certificate is of another authority.
+    #[error(
+        "nobody would believe `{name}` with the files in {}: they are not of one make; copy authority.pem, \
+         {name}.pem and {name}.key from one `tetrad keys` directory", dir.display()
+    )]
+    NotBelieved {
+        /// The station.
+        name: StationName,
+        /// Where its files are.
+        dir: PathBuf,
+        /// What does not fit.
+        #[source]
+        cause: rustls::Error,
+    },
 }
 
 impl Identity {
@@ -74,7 +89,13 @@ impl Identity {
         authority
             .add(certificate_of(&authority_file, "authority's certificate")?)
             .map_err(|cause| IdentityError::BadAuthority(authority_file, cause))?;
-        Ok(Self { name: name.clone(), certificate, key, authority })
+        let identity = Self { name: name.clone(), certificate, key, authority };
+        tls::is_believed(&identity).map_err(|cause| IdentityError::NotBelieved {
+            name: name.clone(),
+            dir: dir.to_owned(),
+            cause,
+        })?;
+        Ok(identity)
     }
 
     /// The station's name.
@@ -117,6 +138,24 @@ mod tests {
         }
         let other = Identity::load(dir.path(), &name("operator")).unwrap_err().to_string();
         assert!(other.contains("is not that of `operator`"), "{other}");
+    }
+
+    #[test]
+    fn files_of_two_makes_are_refused() {
+        let dirs = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+        for dir in &dirs {
+            make_authority(dir.path()).unwrap();
+            make_station(dir.path(), &name("slave")).unwrap();
+        }
+        for file in ["authority.pem", "slave.key"] {
+            let [mine, other] = [&dirs[0], &dirs[1]].map(|dir| dir.path().join(file));
+            let own = std::fs::read(&mine).unwrap();
+            std::fs::copy(&other, &mine).unwrap();
+            let refused = Identity::load(dirs[0].path(), &name("slave")).unwrap_err().to_string();
+            assert!(refused.starts_with("nobody would believe `slave`"), "{file}: {refused}");
+            std::fs::write(&mine, own).unwrap();
+        }
+        assert!(Identity::load(dirs[0].path(), &name("slave")).is_ok());
     }
 
     #[test]

@@ -97,7 +97,7 @@ const WAITING_BYTES: u64 = 16 * 1024;
 const FAREWELL: Duration = Duration::from_secs(1);
 
 /// Whom a station talks to.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinkConfig {
     /// Where it is dialled; `None` where it only dials.
     pub listen: Option<SocketAddr>,
@@ -108,7 +108,7 @@ pub struct LinkConfig {
 }
 
 /// A peer.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PeerConfig {
     /// What it is called, in its certificate too.
     pub name: StationName,
@@ -248,7 +248,11 @@ impl Drop for Link {
 }
 
 impl LinkConfig {
-    fn check(&self, own: &StationName) -> Result<(), LinkError> {
+    /// Whether these peers can be told apart and reached; `own` is the station itself.
+    ///
+    /// # Errors
+    /// [`LinkError::SameName`], [`LinkError::NoWay`]
+    pub fn check(&self, own: &StationName) -> Result<(), LinkError> {
         let mut names: Vec<_> = self.peers.iter().map(|peer| &peer.name).chain([own]).collect();
         names.sort();
         if let Some(pair) = names.windows(2).find(|pair| pair.first() == pair.last())

@@ -92,6 +92,19 @@ pub(super) fn server(
     QuicServerConfig::try_from(config).map_err(|error| rustls::Error::General(error.to_string()))
 }
 
+/// Whether others will take this station for who it says it is: its key is the certificate's, and the
+/// authority is the one who signed.
+pub(super) fn is_believed(identity: &Identity) -> Result<(), rustls::Error> {
+    let server = server(identity, Vec::new())?;
+    // built to see that the key fits; a link builds its own
+    drop(server);
+    let roots = Arc::new(identity.authority.clone());
+    let chain = WebPkiClientVerifier::builder_with_provider(roots, provider())
+        .build()
+        .map_err(|error| rustls::Error::General(error.to_string()))?;
+    chain.verify_client_cert(&identity.certificate, &[], UnixTime::now()).map(drop)
+}
+
 /// The side that dials.
 pub(super) fn client(identity: &Identity, lane: Lane) -> Result<QuicClientConfig, rustls::Error> {
     let mut config = ClientConfig::builder_with_provider(provider())

@@ -18,15 +18,18 @@ mod governor;
 mod puma;
 mod teleop;
 
+pub(super) use governor::GovernorToml;
+pub(super) use puma::ArmToml;
+pub(super) use teleop::TeleopToml;
+
+use super::file::{self, FileToml, Problem, SettingsError};
+use super::station::SceneCameraToml;
 use crate::robot::canopen::CanopenConfig;
 use crate::robot::{AddressError, RobotAddress};
-use governor::GovernorToml;
 use nalgebra::{Matrix3, Rotation3};
-use puma::ArmToml;
 use serde::Deserialize;
 use std::fmt;
-use std::path::{Path, PathBuf};
-use teleop::TeleopToml;
+use std::path::Path;
 use tetrad_core::config::{SlaveConfig, SlaveConfigError};
 
 /// What a slave station and the commands about the arm are set to.
@@ -40,97 +43,50 @@ pub struct ArmSettings {
     pub canopen: CanopenConfig,
 }
 
-/// Why a file of settings is refused.
-#[derive(Debug, thiserror::Error)]
-pub enum ArmSettingsError {
-    /// It cannot be read.
-    #[error("cannot read {}", file.display())]
-    Unreadable {
-        /// The file.
-        file: PathBuf,
-        /// What the operating system said.
-        #[source]
-        cause: std::io::Error,
-    },
-    /// It is not TOML, or a key is unknown or of another kind; the message has the line.
-    #[error("{file}: {problem}")]
-    Syntax {
-        /// The file as it was named.
-        file: String,
-        /// The line, the place in it, and what would be right.
-        problem: String,
-    },
-    /// A value that cannot be worked with.
-    #[error("{file}: {key}: {problem}")]
-    Value {
-        /// The file as it was named.
-        file: String,
-        /// The table and the key, as `[arm] min_deg`.
-        key: String,
-        /// What would be right.
-        problem: String,
-    },
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct FileToml {
-    slave: Option<SlaveToml>,
-    arm: Option<ArmToml>,
-    teleop: Option<TeleopToml>,
-    workspace: Option<WorkspaceToml>,
-    governor: Option<GovernorToml>,
-    #[serde(default)]
-    canopen: CanopenConfig,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SlaveToml {
+pub(super) struct SlaveToml {
     port: Option<String>,
     lead_ms: Option<f64>,
     max_following_deg: Option<f64>,
     blind_timeout_ms: Option<f64>,
+    /// Whose motion counts: of a station's file.
+    pub(super) operator: Option<String>,
+    /// The cameras of its scene: of a station's file.
+    #[serde(default)]
+    pub(super) camera: Vec<SceneCameraToml>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WorkspaceToml {
+pub(super) struct WorkspaceToml {
     min_mm: Option<[f64; 3]>,
     max_mm: Option<[f64; 3]>,
 }
-
-/// A key and what is wrong with its value.
-type Problem = (String, String);
 
 impl ArmSettings {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`ArmSettingsError`] that names the file and the key.
-    pub fn load(file: &Path) -> Result<Self, ArmSettingsError> {
-        let text = std::fs::read_to_string(file)
-            .map_err(|cause| ArmSettingsError::Unreadable { file: file.to_owned(), cause })?;
-        Self::parse(&text, &file.display().to_string())
+    /// [`SettingsError`] that names the file and the key.
+    pub fn load(file: &Path) -> Result<Self, SettingsError> {
+        Self::parse(&file::read(file)?, &file.display().to_string())
     }
 
-    /// Reads the text of a file; `file` is only for messages.
+    /// Reads the text of a file; `file` is only for messages. The tables of stations are read too, and
+    /// left alone.
     ///
     /// # Errors
-    /// [`ArmSettingsError`] that names the key.
-    pub fn parse(text: &str, file: &str) -> Result<Self, ArmSettingsError> {
-        let parsed: FileToml = toml::from_str(text).map_err(|error| ArmSettingsError::Syntax {
-            file: file.to_owned(),
-            problem: error.to_string().trim_end().to_owned(),
-        })?;
-        Self::checked(&parsed).map_err(|(key, problem)| ArmSettingsError::Value {
-            file: file.to_owned(),
-            key,
-            problem,
-        })
+    /// [`SettingsError`] that names the key.
+    pub fn parse(text: &str, file: &str) -> Result<Self, SettingsError> {
+        Self::checked(&FileToml::parse(text, file)?).map_err(|problem| SettingsError::value(file, problem))
     }
 
-    fn checked(file: &FileToml) -> Result<Self, Problem> {
+    /// What a file's tables say of the arm.
+    ///
+    /// # Errors
+    /// The key, and what would be right.
+    pub(super) fn checked(file: &FileToml) -> Result<Self, Problem> {
         let mut settings = Self::default();
         if let Some(arm) = &file.arm {
             settings.slave.puma = arm.config()?;

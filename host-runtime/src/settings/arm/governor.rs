@@ -1,12 +1,13 @@
 //! `[governor]`: how far, how fast and how abruptly the joints may go.
 
-use super::{Problem, mm, set, workspace_problem};
+use super::super::file::Problem;
+use super::{mm, set, workspace_problem};
 use serde::Deserialize;
 use tetrad_core::config::{GovernorConfig, GovernorConfigError, JOINTS, PumaConfig, Workspace};
 
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct GovernorToml {
+pub(in crate::settings) struct GovernorToml {
     speed_share: Option<f64>,
     max_acceleration_deg_s2: Option<[f64; JOINTS]>,
     max_jerk_deg_s3: Option<[f64; JOINTS]>,

@@ -1,13 +1,14 @@
 //! `[arm]`: lengths, ranges, speeds and the tool.
 
-use super::{Problem, mm, problem, set, turned};
+use super::super::file::Problem;
+use super::{mm, problem, set, turned};
 use nalgebra::Vector3;
 use serde::Deserialize;
 use tetrad_core::config::{JOINTS, PumaConfig, PumaConfigError};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ArmToml {
+pub(in crate::settings) struct ArmToml {
     base_mm: Option<f64>,
     upper_arm_mm: Option<f64>,
     offset_mm: Option<f64>,

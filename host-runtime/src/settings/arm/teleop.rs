@@ -1,6 +1,7 @@
 //! `[teleop]`: the slave's law.
 
-use super::{Problem, mm, problem, set, turned};
+use super::super::file::Problem;
+use super::{mm, problem, set, turned};
 use nalgebra::Matrix3;
 use serde::Deserialize;
 use tetrad_core::config::{TeleopConfig, TeleopConfigError, TeleopMode, Turning, Workspace};
@@ -14,7 +15,7 @@ enum ModeToml {
 
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct TeleopToml {
+pub(in crate::settings) struct TeleopToml {
     mode: Option<ModeToml>,
     scale: Option<f64>,
     turn_scale: Option<f64>,

@@ -2,7 +2,7 @@ use super::*;
 use nalgebra::Vector3;
 use tetrad_core::config::{GovernorConfig, TeleopConfig, TeleopMode, Turning};
 
-fn parse(text: &str) -> Result<ArmSettings, ArmSettingsError> {
+fn parse(text: &str) -> Result<ArmSettings, SettingsError> {
     ArmSettings::parse(text, "tetrad.toml")
 }
 

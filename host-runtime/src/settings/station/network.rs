@@ -1,0 +1,121 @@
+//! `[station]` and `[[peer]]`: who the station is, and whom it talks to.
+
+use crate::link::{
+    Identity, IdentityError, Link, LinkConfig, LinkError, PICTURE_BYTES_PER_S, PeerConfig, StationName,
+};
+use crate::robot::clock::Clock;
+use crate::settings::file::Problem;
+use serde::Deserialize;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+
+/// Rates of pictures that can be given, kB/s: from a slide show to a whole gigabit line.
+const PICTURE_KB_PER_S: std::ops::RangeInclusive<f64> = 1.0..=100_000.0;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::settings) struct StationToml {
+    name: String,
+    keys: PathBuf,
+    listen: Option<String>,
+    picture_kb_per_s: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::settings) struct PeerToml {
+    name: String,
+    address: Option<String>,
+}
+
+/// Who the station is and whom it talks to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NetworkSettings {
+    /// Its name, in its certificate too.
+    pub name: StationName,
+    /// Where its certificate and key are.
+    pub keys: PathBuf,
+    /// Where it listens, and its peers.
+    pub link: LinkConfig,
+}
+
+impl NetworkSettings {
+    pub(super) fn checked(
+        station: Option<&StationToml>,
+        peers: &[PeerToml],
+        dir: &Path,
+    ) -> Result<Option<Self>, Problem> {
+        let wrong = |key: &str, problem: String| (key.to_owned(), problem);
+        let Some(station) = station else {
+            if peers.is_empty() {
+                return Ok(None);
+            }
+            let mend = "peers need a [station] table that says who this is: name and keys";
+            return Err(wrong("[[peer]]", mend.to_owned()));
+        };
+        let name: StationName =
+            station.name.parse().map_err(|error| wrong("[station] name", format!("{error}")))?;
+        let listen = station.listen.as_deref().map(address).transpose();
+        let listen = listen.map_err(|problem| wrong("[station] listen", problem))?;
+        let kb =
+            super::within("[station] picture_kb_per_s", station.picture_kb_per_s, PICTURE_KB_PER_S, " kB/s")?;
+        let mut all = Vec::new();
+        for (index, peer) in peers.iter().enumerate() {
+            let key = format!("[[peer]] {}", index + 1);
+            let name =
+                peer.name.parse().map_err(|error| wrong(&format!("{key} name"), format!("{error}")))?;
+            if let Some(address) = &peer.address {
+                dialled(address).map_err(|problem| wrong(&format!("{key} address"), problem))?;
+            }
+            all.push(PeerConfig { name, address: peer.address.clone() });
+        }
+        let link = LinkConfig {
+            listen,
+            peers: all,
+            picture_bytes_per_s: kb.map_or(PICTURE_BYTES_PER_S, |kb| (kb * 1000.0) as u32),
+        };
+        link.check(&name).map_err(|error| {
+            let key = if matches!(error, LinkError::NoWay(_)) { "[[peer]] address" } else { "[[peer]] name" };
+            wrong(key, error.to_string())
+        })?;
+        Ok(Some(Self { name, keys: dir.join(&station.keys), link }))
+    }
+
+    /// Whether a peer is called so.
+    #[must_use]
+    pub fn has_peer(&self, name: &StationName) -> bool {
+        self.link.peers.iter().any(|peer| peer.name == *name)
+    }
+
+    /// The station's certificate and key, and its authority's certificate.
+    ///
+    /// # Errors
+    /// [`IdentityError`] names the file and what makes it.
+    pub fn identity(&self) -> Result<Identity, IdentityError> {
+        Identity::load(&self.keys, &self.name)
+    }
+
+    /// Starts the link; `identity` is this station's.
+    ///
+    /// # Errors
+    /// [`LinkError`]
+    pub fn start(&self, identity: &Identity, clock: Clock) -> Result<Link, LinkError> {
+        Link::start(&self.link, identity, clock)
+    }
+}
+
+/// Where to listen: an address of this computer, not a name, and a port.
+fn address(text: &str) -> Result<SocketAddr, String> {
+    text.parse().map_err(|_| {
+        format!("'{text}' is no address to listen on: give IP:PORT, as 0.0.0.0:7420 or [::]:7420")
+    })
+}
+
+/// Whether it can be dialled: a name or an address, and a port.
+fn dialled(text: &str) -> Result<(), String> {
+    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty());
+    match port.and_then(|(_, port)| port.parse::<u16>().ok()) {
+        Some(1..) => Ok(()),
+        _ => Err(format!("'{text}' cannot be dialled: give HOST:PORT, as arm.local:7420 or 10.0.0.3:7420")),
+    }
+}

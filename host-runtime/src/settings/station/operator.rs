@@ -1,0 +1,209 @@
+//! `[operator]` and `[[operator.camera]]`: the hand, the cameras that see it, and where the arm is.
+
+use super::camera::{CameraToml, LocalCamera};
+use super::within;
+use crate::link::StationName;
+use crate::settings::FOCAL_PX;
+use crate::settings::file::Problem;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use tetrad_core::config::{FilterConfig, MAX_ARM_M, MAX_LEAD_US, MIN_ARM_M, Prediction, Smoothing};
+
+/// Cameras of one hand: as many as core solves for.
+const MAX_CAMERAS: usize = 8;
+
+/// What stands before the device of a smart camera.
+const SERIAL: &str = "node:serial:";
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::settings) struct OperatorToml {
+    arm_mm: f64,
+    slave: Option<String>,
+    #[serde(default)]
+    camera: Vec<CameraToml>,
+    filter: Option<FilterToml>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum SmoothingToml {
+    OneEuro,
+    Off,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum PredictionToml {
+    Velocity,
+    Acceleration,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FilterToml {
+    smoothing: Option<SmoothingToml>,
+    prediction: Option<PredictionToml>,
+    lead_ms: Option<f64>,
+}
+
+/// An operator station.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OperatorSettings {
+    /// Length of the feature frame's arms, metres.
+    pub arm_m: f32,
+    /// The cameras that see the hand, one to eight.
+    pub cameras: Vec<HandCameraSettings>,
+    /// Where the arm is.
+    pub slave: SlavePlace,
+    /// How the pose is filtered.
+    pub filter: FilterConfig,
+}
+
+/// Where the arm is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SlavePlace {
+    /// At this station, by the file's own tables.
+    Here,
+    /// At a peer.
+    Station(StationName),
+}
+
+/// One camera that sees the hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HandCameraSettings {
+    /// SRC as it was given, for messages.
+    pub source: String,
+    /// Where it is.
+    pub place: HandCamera,
+    /// Its nominal focal length, px, where one was given.
+    pub focal_px: Option<f32>,
+}
+
+/// Where a camera of the hand is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum HandCamera {
+    /// At a peer, `node:NAME`.
+    Station(StationName),
+    /// A smart camera on a serial port, `node:serial:DEVICE?baud=N`.
+    Serial {
+        /// The port.
+        device: PathBuf,
+        /// Bits a second.
+        baud: u32,
+    },
+    /// Plugged in here.
+    Local(LocalCamera),
+}
+
+impl OperatorToml {
+    pub(super) fn checked(&self, dir: &Path) -> Result<OperatorSettings, Problem> {
+        let wrong = |key: &str, problem: String| (format!("[operator] {key}"), problem);
+        let millimetres = f64::from(MIN_ARM_M) * 1000.0..=f64::from(MAX_ARM_M) * 1000.0;
+        // as f32 knows them, the bounds have digits that nobody wrote
+        let (least, most) = (millimetres.start().round(), millimetres.end().round());
+        within("[operator] arm_mm", Some(self.arm_mm), least..=most, " mm")?;
+        let slave = match self.slave.as_deref() {
+            None => return Err(wrong("slave", "name the peer where the arm is, or \"here\"".to_owned())),
+            Some("here") => SlavePlace::Here,
+            Some(name) => {
+                SlavePlace::Station(name.parse().map_err(|error| wrong("slave", format!("{error}")))?)
+            }
+        };
+        if self.camera.is_empty() || self.camera.len() > MAX_CAMERAS {
+            let mend = format!(
+                "one to {MAX_CAMERAS} [[operator.camera]] tables are needed, there are {}",
+                self.camera.len()
+            );
+            return Err(wrong("camera", mend));
+        }
+        let cameras = self.camera.iter().enumerate();
+        let cameras =
+            cameras.map(|(index, camera)| camera.of_hand(&format!("[[operator.camera]] {}", index + 1), dir));
+        let cameras: Vec<_> = cameras.collect::<Result<_, _>>()?;
+        for (index, camera) in cameras.iter().enumerate() {
+            let same = |other: &HandCameraSettings| match (&camera.place, &other.place) {
+                // one scene has several views
+                (HandCamera::Local(a), HandCamera::Local(b)) => {
+                    a.source == b.source && a.options.view == b.options.view
+                }
+                (a, b) => a == b,
+            };
+            if cameras.iter().take(index).any(same) {
+                let mend = format!("{} is given twice: each camera once", camera.source);
+                return Err((format!("[[operator.camera]] {} source", index + 1), mend));
+            }
+        }
+        let filter = self.filter.as_ref().map_or(Ok(FilterConfig::default()), FilterToml::config)?;
+        Ok(OperatorSettings { arm_m: (self.arm_mm / 1000.0) as f32, cameras, slave, filter })
+    }
+}
+
+impl FilterToml {
+    fn config(&self) -> Result<FilterConfig, Problem> {
+        let mut filter = FilterConfig::default();
+        if let Some(SmoothingToml::Off) = self.smoothing {
+            filter.smoothing = Smoothing::Off;
+        }
+        match self.prediction {
+            Some(PredictionToml::Velocity) => filter.prediction = Prediction::Velocity,
+            Some(PredictionToml::Acceleration) => filter.prediction = Prediction::Acceleration,
+            None => {}
+        }
+        let most = f64::from(MAX_LEAD_US) / 1000.0;
+        if let Some(ms) = within("[operator.filter] lead_ms", self.lead_ms, 0.0..=most, " ms")? {
+            filter.lead_us = (ms * 1000.0).round() as u32;
+        }
+        Ok(filter)
+    }
+}
+
+impl CameraToml {
+    fn of_hand(&self, key: &str, dir: &Path) -> Result<HandCameraSettings, Problem> {
+        let wrong = |problem: String| (format!("{key} source"), problem);
+        let Some(node) = self.source().strip_prefix("node:") else {
+            if self.of_a_local_camera() == Some("preview_fps") {
+                let mend = "a camera of this station is looked at here: leave it out".to_owned();
+                return Err((format!("{key} preview_fps"), mend));
+            }
+            let camera = self.local(key, dir)?;
+            let focal_px = camera.focal_px;
+            let source = self.source().to_owned();
+            return Ok(HandCameraSettings { source, place: HandCamera::Local(camera), focal_px });
+        };
+        if let Some(extra) = self.of_a_local_camera() {
+            let mend = format!("{} knows that itself: set it there, and leave it out here", self.source());
+            return Err((format!("{key} {extra}"), mend));
+        }
+        let place = match self.source().strip_prefix(SERIAL) {
+            Some(port) => serial(port).map_err(wrong)?,
+            None => HandCamera::Station(node.parse().map_err(|error| wrong(format!("{error}")))?),
+        };
+        let focal = f64::from(*FOCAL_PX.start())..=f64::from(*FOCAL_PX.end());
+        let focal_px = within(&format!("{key} focal_px"), self.focal_px(), focal, " px")?;
+        Ok(HandCameraSettings {
+            source: self.source().to_owned(),
+            place,
+            focal_px: focal_px.map(|px| px as f32),
+        })
+    }
+}
+
+/// `DEVICE?baud=N`.
+fn serial(text: &str) -> Result<HandCamera, String> {
+    let (device, query) = text.split_once('?').unwrap_or((text, ""));
+    let baud = match query.strip_prefix("baud=") {
+        None if query.is_empty() => DEFAULT_BAUD,
+        Some(number) if number.parse::<u32>().is_ok_and(|baud| baud > 0) => {
+            number.parse().unwrap_or(DEFAULT_BAUD)
+        }
+        _ => return Err(format!("'{query}' means nothing here: a serial port takes only ?baud=N")),
+    };
+    if device.is_empty() {
+        return Err(format!("name the port, as {SERIAL}/dev/ttyACM0"));
+    }
+    Ok(HandCamera::Serial { device: device.into(), baud })
+}
+
+/// USB ports take any; a UART of this rate has room for two cameras' packets at 60 a second.
+const DEFAULT_BAUD: u32 = 921_600;

@@ -1,0 +1,157 @@
+use super::*;
+use crate::link::authority::{make_authority, make_station};
+use crate::source::View;
+use std::fs;
+
+/// An example of docs/stations.md.
+fn documented(role: &str) -> String {
+    let document = include_str!("../../../../docs/stations.md");
+    let (_, example) = document.split_once(&format!("```toml {role}\n")).unwrap();
+    example.split_once("```").unwrap().0.to_owned()
+}
+
+fn load(text: &str) -> Result<StationSettings, String> {
+    let dir = tempfile::tempdir().unwrap();
+    load_in(dir.path(), text)
+}
+
+fn load_in(dir: &Path, text: &str) -> Result<StationSettings, String> {
+    let file = dir.join("tetrad.toml");
+    fs::write(&file, text).unwrap();
+    StationSettings::load(&file).map_err(|error| {
+        let message = error.to_string();
+        message.strip_prefix(&format!("{}: ", file.display())).expect("the file is named").to_owned()
+    })
+}
+
+#[track_caller]
+fn refused(text: &str, message: &str) {
+    let error = load(text).unwrap_err();
+    assert!(error.contains(message), "{error}");
+}
+
+#[test]
+fn the_documented_files_are_taken() {
+    let operator = load(&documented("operator")).unwrap();
+    let network = operator.network.unwrap();
+    assert_eq!((network.name.as_str(), network.link.peers.len()), ("operator", 3));
+    assert_eq!(network.link.listen, None);
+    assert!(network.keys.ends_with("keys") && network.keys.is_absolute());
+    let hand = operator.operator.unwrap();
+    assert_eq!((hand.arm_m, hand.cameras.len()), (0.08, 2));
+    assert_eq!(hand.slave, SlavePlace::Station("slave".parse().unwrap()));
+    assert_eq!(hand.cameras[1].focal_px, Some(800.0));
+    assert_eq!(hand.filter, tetrad_core::config::FilterConfig::default());
+
+    let slave = load(&documented("slave")).unwrap();
+    assert_eq!(slave.network.unwrap().link.picture_bytes_per_s, 2_500_000);
+    assert_eq!(slave.slave.operator, Some("operator".parse().unwrap()));
+    let views: Vec<_> = slave.slave.cameras.iter().map(|camera| camera.options.view).collect();
+    assert_eq!(views, [View::Left, View::Right]);
+
+    // its colours are beside it
+    let dir = tempfile::tempdir().unwrap();
+    let text = documented("camera");
+    let missing = load_in(dir.path(), &text).unwrap_err();
+    assert!(
+        missing.starts_with("[camera] colours: cannot read") && missing.contains("left.toml"),
+        "{missing}"
+    );
+    let of_a_scene = text.replace("/dev/video0", "sim:demo").replace("colours = ", "# colours = ");
+    let camera = load_in(dir.path(), &of_a_scene).unwrap().camera.unwrap();
+    assert_eq!(camera.camera.start, CameraStart::OfScene);
+    assert_eq!((camera.camera.options.fps, camera.preview_fps), (Some(60.0), 2.0));
+}
+
+#[test]
+fn everything_in_one_file() {
+    let settings = load(
+        "[operator]\narm_mm = 80\nslave = \"here\"\n\
+         [[operator.camera]]\nsource = \"sim:demo\"\n\
+         [[operator.camera]]\nsource = \"sim:demo\"\nview = \"right\"\n\
+         [[operator.camera]]\nsource = \"node:serial:/dev/ttyACM0?baud=115200\"\n\
+         [slave]\nport = \"sim:\"\n",
+    )
+    .unwrap();
+    let operator = settings.operator.unwrap();
+    assert_eq!((settings.network, operator.slave), (None, SlavePlace::Here));
+    let serial = HandCamera::Serial { device: "/dev/ttyACM0".into(), baud: 115_200 };
+    assert_eq!(operator.cameras[2].place, serial);
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused_with_its_key() {
+    let operator = documented("operator");
+    let slave = documented("slave");
+    refused(&operator.replace("arm_mm", "arms_mm"), "unknown field `arms_mm`");
+    refused(&operator.replace("arm_mm = 80", "arm_mm = 1"), "[operator] arm_mm: a number from 5 to 2000 mm");
+    refused(&operator.replace("arm_mm = 80", "arm_mm = nan"), "[operator] arm_mm");
+    refused(
+        &operator.replace("name = \"right\"", "name = \"left\""),
+        "[[peer]] name: two stations are called `left`",
+    );
+    refused(
+        &operator.replace("name = \"right\"", "name = \"operator\""),
+        "two stations are called `operator`",
+    );
+    refused(
+        &operator.replace("10.0.0.12:7420", "10.0.0.12"),
+        "[[peer]] 2 address: '10.0.0.12' cannot be dialled",
+    );
+    refused(&operator.replace("name = \"right\"", "name = \"Right\""), "[[peer]] 2 name: `Right` is no name");
+    refused(
+        &operator.replace("slave = \"slave\"", "slave = \"arm\""),
+        "[operator] slave: no [[peer]] is called `arm`",
+    );
+    refused(
+        &operator.replace("source = \"node:right\"", "source = \"node:left\""),
+        "[[operator.camera]] 2 source: node:left is given twice",
+    );
+    refused(
+        &operator.replace("focal_px = 800", "colours = \"right.toml\""),
+        "[[operator.camera]] 2 colours: node:right knows that itself",
+    );
+    refused(&operator.replace("lead_ms = 0", "lead_ms = -1"), "[operator.filter] lead_ms: a number from 0");
+    refused(
+        &operator.replace("[station]\nname = \"operator\"\nkeys = \"keys\"\n", ""),
+        "[[peer]]: peers need",
+    );
+    refused(&slave.replace("listen = \"0.0.0.0:7420\"\n", ""), "[[peer]] address: `operator` has no address");
+    refused(
+        &slave.replace("0.0.0.0:7420", "arm.local:7420"),
+        "[station] listen: 'arm.local:7420' is no address",
+    );
+    refused(
+        &slave.replace("operator = \"operator\"", "operator = \"boss\""),
+        "[slave] operator: no [[peer]]",
+    );
+    refused(
+        &slave.replace("quality = 80", "quality = 0"),
+        "[[slave.camera]] 1 quality: a number from 10 to 100",
+    );
+    let three = format!("{slave}[[slave.camera]]\nsource = \"sim:arm\"\n");
+    refused(&three, "[[slave.camera]]: at most 2 cameras");
+    refused(&slave.replace("\"sim:\"", "\"simm:\""), "[slave] port: simm:");
+}
+
+#[test]
+fn limits_that_exclude_the_start_are_refused() {
+    let slave = documented("slave");
+    let low = format!("{slave}[workspace]\nmin_mm = [-900, -900, 0]\nmax_mm = [900, 900, 100]\n");
+    refused(&low, "[workspace] min_mm, max_mm: the arm starts with its tool at");
+    let beyond = slave.replace("\"sim:\"", "\"sim:?start_deg=0,45,60,0,0,0\"");
+    refused(&beyond, "start_deg: joint 3 can be from -225.0 to 45.0 degrees");
+}
+
+#[test]
+fn keys_have_to_be_of_one_make() {
+    let dir = tempfile::tempdir().unwrap();
+    let settings = load_in(dir.path(), &documented("slave")).unwrap();
+    let network = settings.network.unwrap();
+    let missing = network.identity().unwrap_err().to_string();
+    assert!(missing.contains("slave.pem") && missing.contains("tetrad keys"), "{missing}");
+    fs::create_dir(&network.keys).unwrap();
+    make_authority(&network.keys).unwrap();
+    make_station(&network.keys, &network.name).unwrap();
+    assert_eq!(network.identity().unwrap().name(), &network.name);
+}
