@@ -14,6 +14,9 @@
 //! v4l2       a Linux camera: mapped driver buffers
 //! ```
 //!
+//! [`open_live`] opens the same for a station, which lives in real time: a simulated scene is played to
+//! and fro, a recording once at the pace it was taken at.
+//!
 //! A source never decides what a bad picture means for the run: it stops with a [`SourceError`]
 //! that names the file or device, and [`SourceError::exit`] says which exit code that deserves.
 //! Frames delivered before the error stay good.
@@ -21,6 +24,8 @@
 mod error;
 pub mod folder;
 mod frame_number;
+pub mod live_scene;
+mod paced;
 pub mod picture;
 pub mod simulated;
 mod spec;
@@ -35,6 +40,8 @@ mod tests;
 pub use error::SourceError;
 pub use folder::FolderSource;
 pub(crate) use frame_number::natural_order;
+pub use live_scene::LiveScene;
+pub use paced::Paced;
 pub use simulated::SimulatedSource;
 pub use spec::Spec;
 pub use y4m::Y4mSource;
@@ -170,6 +177,12 @@ pub trait Source: Send {
     /// gives `None` from then on, a lost camera the same error again.
     fn next(&mut self) -> Result<Option<Frame<'_>>, SourceError>;
 
+    /// The present by the clock of the frames' times, seconds; `None` where they are of no clock that
+    /// goes on, as in a recording.
+    fn now_s(&self) -> Option<f64> {
+        None
+    }
+
     /// What the user should be told about the source and has not been yet: an automatic control
     /// switched off, a frame rate the camera changed. Each is handed out once.
     fn take_notices(&mut self) -> Vec<String> {
@@ -184,14 +197,7 @@ pub trait Source: Send {
 /// [`SourceError::BadArgument`] when `spec` names nothing this version can read, otherwise what
 /// kept the source from opening.
 pub fn open(spec: &str, options: &Options) -> Result<Box<dyn Source>, SourceError> {
-    if let Some(fps) = options.fps
-        && !(fps > 0.0 && fps <= MAX_FPS)
-    {
-        return Err(SourceError::argument(
-            spec,
-            format!("{fps} frames a second is no frame rate: give one between 0 and {MAX_FPS}"),
-        ));
-    }
+    check_fps(spec, options)?;
     match Spec::parse(spec)? {
         Spec::Camera(path) => open_camera(spec, &path, options),
         Spec::Folder(path) => Ok(Box::new(FolderSource::open(spec, &path, options.fps)?)),
@@ -199,6 +205,30 @@ pub fn open(spec: &str, options: &Options) -> Result<Box<dyn Source>, SourceErro
         Spec::Simulated { name, format } => {
             Ok(Box::new(SimulatedSource::open(spec, &name, options.view, format)?))
         }
+    }
+}
+
+/// Opens the same for somebody who lives in real time: cameras as they are, a scene as [`LiveScene`],
+/// a recording [`Paced`].
+///
+/// # Errors
+/// As [`open`], and for a rate at which no scene is played.
+pub fn open_live(spec: &str, options: &Options) -> Result<Box<dyn Source>, SourceError> {
+    check_fps(spec, options)?;
+    match Spec::parse(spec)? {
+        Spec::Camera(path) => open_camera(spec, &path, options),
+        Spec::Simulated { name, format } => Ok(Box::new(LiveScene::open(spec, &name, format, options)?)),
+        Spec::Folder(_) | Spec::Y4m(_) => Ok(Box::new(Paced::new(open(spec, options)?))),
+    }
+}
+
+fn check_fps(spec: &str, options: &Options) -> Result<(), SourceError> {
+    match options.fps {
+        Some(fps) if !(fps > 0.0 && fps <= MAX_FPS) => Err(SourceError::argument(
+            spec,
+            format!("{fps} frames a second is no frame rate: give one between 0 and {MAX_FPS}"),
+        )),
+        _ => Ok(()),
     }
 }
 

@@ -31,16 +31,8 @@ impl SimulatedSource {
     /// [`SourceError::BadArgument`] for a name no scene has, with those there are, for a scene that
     /// this camera does not see, and for a format its size does not allow.
     pub fn open(spec: &str, name: &str, view: View, format: PixelFormat) -> Result<Self, SourceError> {
-        let scene = Scene::named(name).ok_or_else(|| SourceError::argument(spec, unknown(name)))?;
+        let scene = find(spec, name, view, format)?;
         let camera = view.index();
-        if camera >= scene.cameras() {
-            return Err(SourceError::argument(
-                spec,
-                format!("this scene has no {} camera, only {}", view.name(), scene.cameras()),
-            ));
-        }
-        check_sides(format, scene.width, scene.height)
-            .map_err(|error| SourceError::argument(spec, error.to_string()))?;
         let info = SourceInfo {
             name: spec.to_owned(),
             width: scene.width,
@@ -79,6 +71,20 @@ impl Source for SimulatedSource {
         let index = frame as u64;
         Ok(Some(Frame { view, index, number: index, t_s: self.scene.time_s(frame), gap: Gap::None }))
     }
+}
+
+/// The scene `name`, if `view` sees it and its pictures can be had in `format`.
+pub(super) fn find(spec: &str, name: &str, view: View, format: PixelFormat) -> Result<Scene, SourceError> {
+    let scene = Scene::named(name).ok_or_else(|| SourceError::argument(spec, unknown(name)))?;
+    if view.index() >= scene.cameras() {
+        return Err(SourceError::argument(
+            spec,
+            format!("this scene has no {} camera, only {}", view.name(), scene.cameras()),
+        ));
+    }
+    check_sides(format, scene.width, scene.height)
+        .map_err(|error| SourceError::argument(spec, error.to_string()))?;
+    Ok(scene)
 }
 
 /// Whether a picture of this size can be had in this format: rendering takes it for granted.

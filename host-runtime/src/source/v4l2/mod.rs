@@ -80,6 +80,10 @@ impl Source for CameraSource {
         self.camera.next().map(Some)
     }
 
+    fn now_s(&self) -> Option<f64> {
+        Some(self.camera.stream.now_s())
+    }
+
     fn take_notices(&mut self) -> Vec<String> {
         self.camera.take_notices()
     }

@@ -131,6 +131,11 @@ impl<D: Device> Stream<D> {
         self.losses
     }
 
+    /// The monotonic clock, which pictures are stamped with, in seconds.
+    pub(super) fn now_s(&self) -> f64 {
+        self.device.now_s()
+    }
+
     /// The bytes of a buffer that was lent.
     pub(super) fn bytes(&self, buffer: u32) -> &[u8] {
         self.device.bytes(buffer)
