@@ -1,22 +1,28 @@
 //! One or more cameras' frames in, observations and the hand's motion out.
 //!
 //! ```text
-//! frame ----> CameraTracker ----> observations --+
+//! frame ----> CameraTracker ----> observations --+  HandStage ------------------------------------------+
 //! frame ----> CameraTracker ----> observations --+--> HandTracker ----> motion, pose ---> PoseFilter ---> pose
 //!                   ^                                     |
 //!                   +------ where each ball is next ------+
 //! ```
 //!
+//! [`Pipeline`] is the whole of it; an operator station, whose cameras are elsewhere, has the
+//! [`HandStage`] alone.
+//!
 //! No files and no clock of its own but the stopwatch around each tracker: `track`, `demo` and the
 //! tests feed it frames.
 
+mod hand;
+
+pub use hand::{HandStage, HandStep};
+
 use std::time::{Duration, Instant};
 use tetrad_core::config::{HandConfig, TrackerConfig};
-use tetrad_core::geometry::{ImagePoint, Pose};
+use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::filter::PoseFilter;
-use tetrad_core::hand::state::PoseState;
-use tetrad_core::hand::tracker::{HandMode, HandReport, HandTracker};
+use tetrad_core::hand::tracker::HandMode;
 use tetrad_core::hand::view::{CameraModel, HandView};
 use tetrad_core::observation::{BALLS, Ball};
 use tetrad_core::vision::appearance::LearntBall;
@@ -85,19 +91,6 @@ pub struct CameraStep {
     pub tracking: Duration,
 }
 
-/// What is known of the hand after a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HandStep {
-    /// Motion, pose and how well it is known.
-    pub report: HandReport,
-    /// The pose smoothed and carried on by the filter's lead; `None` while the hand is lost.
-    pub filtered: Option<Pose>,
-    /// How many times the hand was latched, counting and wrapping.
-    pub engagements: u32,
-    /// How long the solver took.
-    pub solving: Duration,
-}
-
 /// What came of one frame of each camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
@@ -111,8 +104,7 @@ pub struct Step {
 #[derive(Clone, Debug)]
 pub struct Pipeline {
     cameras: Vec<Camera>,
-    hand: Option<HandTracker>,
-    filter: PoseFilter,
+    hand: Option<HandStage>,
 }
 
 #[derive(Clone, Debug)]
@@ -142,25 +134,21 @@ impl Pipeline {
             }
             cameras.push(Camera { tracker, focal_px: *focal_px });
         }
-        let hand = arms.map(|arms| HandTracker::new(config.hand_mode, arms, config.hand));
-        Ok(Self { cameras, hand, filter: PoseFilter::default() })
+        let filter = PoseFilter::default();
+        let hand = arms.map(|arms| HandStage::new(config.hand_mode, arms, config.hand, filter));
+        Ok(Self { cameras, hand })
     }
 
     /// The same pipeline with a filter of other settings than the default ones.
     #[must_use]
     pub fn with_filter(self, filter: PoseFilter) -> Self {
-        Self { filter, ..self }
+        Self { hand: self.hand.map(|hand| hand.with_filter(filter)), ..self }
     }
 
     /// Latches the hand: from the next step on the pose is told from where the hand is now.
     pub fn engage(&mut self) {
         if let Some(hand) = &mut self.hand {
-            let engagements = hand.engagements();
             hand.engage();
-            if hand.engagements() != engagements {
-                // the pose is told in other axes from here on
-                self.filter.reset();
-            }
         }
     }
 
@@ -193,33 +181,7 @@ impl Pipeline {
             })
             .collect();
         let t_us = frames.first().map_or(0, |(_, t_us)| *t_us);
-        let filter = &mut self.filter;
-        let hand = self.hand.as_mut().map(|hand| {
-            let engagements = hand.engagements();
-            let started = Instant::now();
-            let report = hand.update(&views, t_us);
-            let solving = started.elapsed();
-            if hand.engagements() != engagements {
-                // an engage that had waited for the hand
-                filter.reset();
-            }
-            HandStep {
-                report,
-                filtered: filtered(filter, &report, t_us),
-                engagements: hand.engagements(),
-                solving,
-            }
-        });
+        let hand = self.hand.as_mut().map(|hand| hand.step(&views, t_us));
         Step { cameras, hand }
     }
-}
-
-/// A measured pose filtered; one that is not is the filter's own to carry on.
-fn filtered(filter: &mut PoseFilter, report: &HandReport, t_us: u64) -> Option<Pose> {
-    if report.state == PoseState::Lost {
-        filter.reset();
-        return None;
-    }
-    let measured = report.pose.filter(|_| report.state.is_measured());
-    measured.and_then(|pose| filter.measure(t_us, &pose).ok()).or_else(|| filter.coast(t_us))
 }

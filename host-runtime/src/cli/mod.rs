@@ -6,6 +6,7 @@ mod demo;
 pub mod devices;
 mod evaluate;
 mod interrupt;
+mod keyboard;
 mod keys;
 mod learn;
 mod progress;

@@ -1,6 +1,7 @@
 //! What a station asks of whatever carries its packets: the network, or a loopback with faults.
 
 use super::inbox::{Inbox, Received};
+use super::picture::Picture;
 use tetrad_core::wire::{
     ArmStatePacket, ButtonsPacket, EncodeError, MotionPacket, ObservationPacket, Packet,
 };
@@ -36,4 +37,17 @@ pub trait Carrier {
     fn observation(&self, camera: u8) -> Option<Received<ObservationPacket>> {
         self.with_inbox(|inbox| inbox.observation(camera))
     }
+
+    /// Hands over a picture: where one of its camera waits, it goes in its place. One that is too long,
+    /// or that nobody is there to take, is dropped.
+    fn send_picture(&self, picture: Picture);
+
+    /// The newest picture of a camera, if it was not taken yet.
+    fn picture(&self, camera: u8) -> Option<Received<Picture>>;
+
+    /// What the other end shall know from now on. What is too long is not told.
+    fn tell_configuration(&self, configuration: &[u8]);
+
+    /// What the other end wants this one to know, if it was not taken yet.
+    fn configuration(&self) -> Option<Vec<u8>>;
 }

@@ -6,7 +6,8 @@
 //! the inbox instead, so that what stands behind QUIC is tried as well.
 
 use super::carrier::Carrier;
-use super::inbox::{Dropped, EndedSession, Inbox};
+use super::inbox::{CAMERAS, Dropped, EndedSession, Inbox, Received};
+use super::picture::Picture;
 use crate::robot::clock::Clock;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -65,6 +66,8 @@ struct Way {
     /// By when they arrive, and then in the order they were sent.
     flying: BTreeMap<(u64, u64), Vec<u8>>,
     carried: Carried,
+    pictures: [Option<Received<Picture>>; CAMERAS],
+    configuration: Option<Vec<u8>>,
 }
 
 /// Two ends of a link with a clock that is [given](Clock::given): set it, then ask either end. Faults
@@ -73,7 +76,14 @@ struct Way {
 pub fn pair(seed: u64, faults: [Faults; 2], clock: &Clock) -> [FaultyEnd; 2] {
     let way = |faults, seed| {
         let draws = Draws(seed);
-        Rc::new(RefCell::new(Way { faults, draws, flying: BTreeMap::new(), carried: Carried::default() }))
+        Rc::new(RefCell::new(Way {
+            faults,
+            draws,
+            flying: BTreeMap::new(),
+            carried: Carried::default(),
+            pictures: Default::default(),
+            configuration: None,
+        }))
     };
     let [to_second, to_first] = faults;
     let (to_second, to_first) = (way(to_second, 2 * seed + 1), way(to_first, 2 * seed + 2));
@@ -93,6 +103,11 @@ impl FaultyEnd {
     /// [`EndedSession`]
     pub fn begin(&self, session: u32) -> Result<(), EndedSession> {
         self.here.borrow_mut().begin(session)
+    }
+
+    /// The other end has this very clock.
+    pub fn share_clock(&self) {
+        self.here.borrow_mut().share_clock();
     }
 
     /// From now on something else goes wrong on the way to the other end.
@@ -135,6 +150,28 @@ impl Carrier for FaultyEnd {
     fn with_inbox<R>(&self, look: impl FnOnce(&mut Inbox) -> R) -> R {
         self.arrive();
         look(&mut self.here.borrow_mut())
+    }
+
+    // packets alone go wrong here: pictures and configurations are on streams, which come whole or not
+
+    fn send_picture(&self, picture: Picture) {
+        let (camera, received_us) = (usize::from(picture.camera), self.clock.now_us());
+        let captured_us = Some(picture.capture_us);
+        if let Some(slot) = self.away.borrow_mut().pictures.get_mut(camera) {
+            *slot = Some(Received { what: picture, received_us, captured_us });
+        }
+    }
+
+    fn picture(&self, camera: u8) -> Option<Received<Picture>> {
+        self.back.borrow_mut().pictures.get_mut(usize::from(camera))?.take()
+    }
+
+    fn tell_configuration(&self, configuration: &[u8]) {
+        self.away.borrow_mut().configuration = Some(configuration.to_vec());
+    }
+
+    fn configuration(&self) -> Option<Vec<u8>> {
+        self.back.borrow_mut().configuration.take()
     }
 }
 

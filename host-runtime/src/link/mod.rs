@@ -20,6 +20,7 @@
 //! | the other station's clock | [`clock`] |
 //! | what stations see | [`carrier`], `peer`, `news`, `event` |
 //! | the same without a network, with faults | [`faulty`] |
+//! | the same within a process | [`local`] |
 //!
 //! - **Nobody waits.** No call of a station's loop waits for the network, and nothing queues: of each
 //!   kind of packet the newest stands in for all before, at either end.
@@ -43,6 +44,7 @@ pub mod faulty;
 mod gate;
 mod identity;
 pub mod inbox;
+pub mod local;
 pub mod message;
 mod name;
 mod news;
@@ -63,7 +65,7 @@ pub use gate::Counts;
 pub use identity::{Identity, IdentityError};
 pub use inbox::Received;
 pub use name::{BadName, StationName};
-pub use news::Watch;
+pub use news::{Doorbell, Watch};
 pub use outbox::OutboxCounts;
 pub use peer::{ConfigurationTooLong, LinkStats, Peer};
 pub use picture::Picture;
@@ -226,6 +228,12 @@ impl Link {
     #[must_use]
     pub fn watch(&self) -> Watch {
         Watch::new(Arc::clone(&self.shared.news))
+    }
+
+    /// What rings when a peer sends something, comes or goes, for what else shall wake the station.
+    #[must_use]
+    pub fn doorbell(&self) -> Doorbell {
+        Doorbell(Arc::clone(&self.shared.news))
     }
 
     /// What happened since this was last asked: a line each for the log.

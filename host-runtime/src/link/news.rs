@@ -10,6 +10,23 @@ pub(super) struct News {
     rung: Condvar,
 }
 
+/// What whoever brings something rings, so that a station's loop wakes. Clones are the same bell.
+#[derive(Clone, Debug, Default)]
+pub struct Doorbell(pub(super) Arc<News>);
+
+impl Doorbell {
+    /// Wakes whoever watches.
+    pub fn ring(&self) {
+        self.0.ring();
+    }
+
+    /// Something to sleep on until it rings.
+    #[must_use]
+    pub fn watch(&self) -> Watch {
+        Watch::new(Arc::clone(&self.0))
+    }
+}
+
 impl News {
     pub(super) fn ring(&self) {
         let mut count = self.count.lock().unwrap_or_else(PoisonError::into_inner);

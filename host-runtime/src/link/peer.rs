@@ -158,6 +158,23 @@ impl Carrier for Peer {
     fn with_inbox<R>(&self, look: impl FnOnce(&mut Inbox) -> R) -> R {
         look(&mut self.0.lock().inbox)
     }
+
+    fn send_picture(&self, picture: Picture) {
+        // the file of a camera of ours is far below the longest
+        let _ = Self::send_picture(self, &picture);
+    }
+
+    fn picture(&self, camera: u8) -> Option<Received<Picture>> {
+        Self::picture(self, camera)
+    }
+
+    fn tell_configuration(&self, configuration: &[u8]) {
+        let _ = self.set_configuration(configuration);
+    }
+
+    fn configuration(&self) -> Option<Vec<u8>> {
+        Self::configuration(self)
+    }
 }
 
 impl PeerShared {

@@ -9,6 +9,7 @@
 
 mod following;
 mod motion;
+pub mod pairing;
 mod slave;
 
 pub use following::{Closeness, Following, Truth};

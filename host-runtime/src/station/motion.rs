@@ -3,7 +3,7 @@
 use crate::pipeline::{HandStep, Step};
 use tetrad_core::geometry::Pose;
 use tetrad_core::hand::state::PoseState;
-use tetrad_core::observation::{BALLS, ObservationState};
+use tetrad_core::observation::{BALLS, Observations};
 use tetrad_core::wire::{MotionPacket, Packet, encode};
 
 /// Makes the packets of one sender.
@@ -28,14 +28,27 @@ impl MotionSender {
     /// The pose is the filtered one where there is one: an arm shall not be shaken by the noise of a
     /// camera.
     pub fn packet(&mut self, step: &Step, capture_us: u64, engaged: bool) -> Option<MotionPacket> {
-        let HandStep { report, filtered, engagements, .. } = step.hand.as_ref()?;
+        let hand = step.hand.as_ref()?;
+        let seen = step.cameras.iter().map(|camera| &camera.report.observations);
+        Some(self.packet_of(hand, seen, capture_us, engaged))
+    }
+
+    /// The same of a hand alone, and of what each camera saw.
+    pub fn packet_of<'a>(
+        &mut self,
+        hand: &HandStep,
+        seen: impl ExactSizeIterator<Item = &'a Observations>,
+        capture_us: u64,
+        engaged: bool,
+    ) -> MotionPacket {
+        let HandStep { report, filtered, engagements, .. } = hand;
         let motion = report.motion.as_ref().ok();
         let pose = filtered.or(report.pose);
+        let views = u8::try_from(seen.len()).unwrap_or(u8::MAX);
         let mut seen_in = [0u8; BALLS];
-        for camera in &step.cameras {
-            for (count, seen) in seen_in.iter_mut().zip(&camera.report.observations) {
-                *count +=
-                    u8::from(matches!(seen.state, ObservationState::Visible | ObservationState::Occluded));
+        for balls in seen {
+            for (count, ball) in seen_in.iter_mut().zip(balls) {
+                *count += u8::from(ball.state.is_measured());
             }
         }
         let packet = MotionPacket {
@@ -47,7 +60,7 @@ impl MotionSender {
             // without a pose there is nothing that could be followed, whatever the state is called
             state: if pose.is_some() { report.state } else { PoseState::Lost },
             spans: motion.map_or(0, |motion| motion.spans),
-            views: u8::try_from(step.cameras.len()).unwrap_or(u8::MAX),
+            views,
             seen_in,
             residual_px: motion.map_or(0.0, |motion| motion.residual_px),
             increment: motion.map_or_else(Pose::identity, |motion| motion.increment()).into(),
@@ -55,7 +68,7 @@ impl MotionSender {
             covariance: report.covariance.map(Into::into),
         };
         self.sequence = self.sequence.wrapping_add(1);
-        Some(packet)
+        packet
     }
 
     /// The bytes of a packet as they go over a stream: COBS, CRC and a zero.

@@ -7,12 +7,12 @@
 //!
 //! Here flags become settings and a run its results; `run` is the loop.
 
-mod keyboard;
 mod packets;
 mod run;
 mod talk;
 
 use super::interrupt::Interrupt;
+use super::keyboard::Keyboard;
 use super::{make_dir, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::output::ArmCsv;
@@ -20,7 +20,6 @@ use crate::robot::{self, RobotAddress, RobotError, RobotKind};
 use crate::settings::arm::ArmSettings;
 use crate::station::SlaveStation;
 use clap::{Args, ValueEnum};
-use keyboard::Keyboard;
 use packets::{Origin, Packets};
 use run::{Ended, Run};
 use std::io::IsTerminal as _;

@@ -3,10 +3,10 @@
 //! It waits until the next cycle is due, by the port's own beat where it has one; what was missed is not
 //! made up for.
 
-use super::keyboard::{Key, Keyboard};
 use super::packets::{Next, Packets};
 use super::talk::Talk;
 use crate::cli::interrupt::Interrupt;
+use crate::cli::keyboard::{Key, Keyboard};
 use crate::cli::note;
 use crate::exit::{Exit, Failure};
 use crate::output::ArmCsv;

@@ -21,7 +21,7 @@ const NEXT_REPEAT: Duration = Duration::from_millis(200);
 
 /// What the operator did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Key {
+pub(in crate::cli) enum Key {
     /// Stop the arm.
     Stop,
     /// End a stop or a fault.
@@ -55,7 +55,7 @@ impl Held {
 
 /// A terminal in raw mode; it is itself again when this is dropped.
 #[derive(Debug)]
-pub(super) struct Keyboard {
+pub(in crate::cli) struct Keyboard {
     held: Held,
     tells_releases: bool,
 }
@@ -65,7 +65,7 @@ impl Keyboard {
     ///
     /// # Errors
     /// Where there is none, or it cannot be switched to raw mode.
-    pub(super) fn open() -> io::Result<Self> {
+    pub(in crate::cli) fn open() -> io::Result<Self> {
         terminal::enable_raw_mode()?;
         // whoever does not answer does not tell
         let tells_releases = terminal::supports_keyboard_enhancement().unwrap_or(false);
@@ -82,7 +82,7 @@ impl Keyboard {
     ///
     /// # Errors
     /// Where the terminal went away: the bar is then not held any more.
-    pub(super) fn next(&mut self, now: Instant) -> io::Result<Option<Key>> {
+    pub(in crate::cli) fn next(&mut self, now: Instant) -> io::Result<Option<Key>> {
         while event::poll(Duration::ZERO).inspect_err(|_| self.held.let_go())? {
             if let Event::Key(event) = event::read()?
                 && let Some(key) = self.key(event, now)
@@ -94,7 +94,7 @@ impl Keyboard {
     }
 
     /// Whether the space bar is held.
-    pub(super) fn is_held(&self, now: Instant) -> bool {
+    pub(in crate::cli) fn is_held(&self, now: Instant) -> bool {
         self.held.is_held(now)
     }
 
