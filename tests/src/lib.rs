@@ -5,6 +5,7 @@
 
 pub mod peers;
 pub mod source;
+pub mod stations;
 pub mod verify;
 
 use std::fmt::Display;
@@ -55,6 +56,14 @@ pub fn shared() -> Option<PathBuf> {
 pub fn repository() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here)
+}
+
+/// Cargo's target directory for it.
+#[must_use]
+pub fn target() -> PathBuf {
+    let named = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
+    // a relative one is meant from the top
+    repository().join(named.unwrap_or_else(|| "target".into()))
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use tetrad_core::config::{GovernorConfig, GovernorConfigError, JOINTS, PumaConfi
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(in crate::settings) struct GovernorToml {
+    cycle_ms: Option<f64>,
     speed_share: Option<f64>,
     max_acceleration_deg_s2: Option<[f64; JOINTS]>,
     max_jerk_deg_s3: Option<[f64; JOINTS]>,
@@ -33,6 +34,10 @@ impl GovernorToml {
     /// The keys of what cannot be worked with, and why.
     pub(super) fn config(&self, workspace: &Workspace, puma: &PumaConfig) -> Result<GovernorConfig, Problem> {
         let mut governor = GovernorConfig { workspace: *workspace, ..GovernorConfig::default() };
+        if let Some(ms) = self.cycle_ms {
+            // what does not fit ends as 0 or the largest, and is refused for that
+            governor.cycle_us = (ms * 1000.0).round() as u32;
+        }
         set(&mut governor.speed_share, self.speed_share, f64::from);
         for place in 0..JOINTS {
             let acceleration = self.max_acceleration_deg_s2.map(|all| all[place]);
@@ -96,8 +101,9 @@ fn explained(error: GovernorConfigError) -> (&'static str, String) {
             "full_speed_to_mm, creep_from_mm, full_speed_to_deg, creep_from_deg",
             "each creep must be above its full, from 0 to 10000 mm and to 572 degrees",
         ),
-        // no key sets the cycle; the workspace has a table of its own
-        E::Cycle | E::Workspace => return ("", error.to_string()),
+        E::Cycle => ("cycle_ms", "1 to 100 is needed"),
+        // the workspace has a table of its own
+        E::Workspace => return ("", error.to_string()),
     };
     (keys, problem.to_owned())
 }

@@ -100,6 +100,8 @@ fn units_are_those_of_the_keys() {
 fn what_is_unknown_or_of_another_kind_is_named_with_its_line() {
     refused("[arm]\nforearm_m = 0.43\n", "unknown field `forearm_m`");
     refused("[arm]\nforearm_m = 0.43\n", "line 2");
+    refused("[governor]\ncycle_ms = 0.5\n", "[governor] cycle_ms: 1 to 100 is needed");
+    refused("[governor]\ncycle_ms = nan\n", "[governor] cycle_ms: 1 to 100 is needed");
     refused("[amr]\n", "unknown field `amr`");
     refused("[arm]\nmin_deg = [1, 2, 3]\n", "line 2");
     refused("[teleop]\nmode = \"direct\"\n", "since-engage");
@@ -128,7 +130,7 @@ fn values_that_cannot_be_are_named_by_table_and_key() {
     refused("[governor]\nlimit_margin_deg = nan\n", "[governor] limit_margin_deg: 0 to 57.29");
     refused("[governor]\ncreep_from_mm = 1\n", "[governor] full_speed_to_mm, creep_from_mm, ");
     refused("[governor]\nspeed_share = 2\n", "[governor] speed_share: above 0 and at most 1");
-    refused("[governor]\ncycle_ms = 5\n", "unknown field `cycle_ms`");
+    assert_eq!(parse("[governor]\ncycle_ms = 5\n").unwrap().slave.governor.cycle_us, 5_000);
     // a faster arm takes longer to stop
     refused(
         "[arm]\nmax_speed_deg_s = [1000, 90, 90, 90, 90, 90]\n",

@@ -1,0 +1,124 @@
+//! One station's process.
+
+use std::fs::{self, OpenOptions};
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// How often a station is looked at.
+const POLL: Duration = Duration::from_millis(20);
+
+/// How long a station may take to end when it is told to: an arm has to come to rest.
+const LEAVE: Duration = Duration::from_secs(10);
+
+/// A station that runs. Dropped, it is killed: none outlives a run that failed.
+#[derive(Debug)]
+pub struct Station {
+    name: String,
+    child: Child,
+    log: PathBuf,
+    /// How long its log was when it was started.
+    logged: usize,
+}
+
+/// A station that ended.
+#[derive(Debug)]
+pub struct Ended {
+    /// What it is called.
+    pub name: String,
+    /// How it ended.
+    pub status: ExitStatus,
+    /// What it printed.
+    pub said: String,
+}
+
+impl Station {
+    pub(super) fn start(name: &str, mut command: Command, log: PathBuf) -> Result<Self, String> {
+        let at = |error: std::io::Error| format!("{name}: {error}");
+        let file = OpenOptions::new().create(true).append(true).open(&log).map_err(at)?;
+        let logged = fs::read_to_string(&log).map_or(0, |text| text.len());
+        let errors = file.try_clone().map_err(at)?;
+        let child = command.stdin(Stdio::null()).stdout(file).stderr(errors).spawn().map_err(at)?;
+        Ok(Self { name: name.to_owned(), child, log, logged })
+    }
+
+    /// What it printed so far.
+    #[must_use]
+    pub fn said(&self) -> String {
+        let all = fs::read(&self.log).unwrap_or_default();
+        String::from_utf8_lossy(all.get(self.logged..).unwrap_or_default()).into_owned()
+    }
+
+    /// Its memory, kB; `None` where that cannot be known or it has ended.
+    #[must_use]
+    pub fn memory_kb(&self) -> Option<u64> {
+        let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+        line.split_whitespace().next()?.parse().ok()
+    }
+
+    /// Whether it is still at work.
+    pub fn runs(&mut self) -> bool {
+        matches!(self.child.try_wait(), Ok(None))
+    }
+
+    /// Waits until it said this.
+    ///
+    /// # Errors
+    /// What it said instead, when it ended or the time was over.
+    pub fn until_said(&mut self, what: &str, limit: Duration) -> Result<(), String> {
+        let began = Instant::now();
+        while !self.said().contains(what) {
+            if began.elapsed() > limit || !self.runs() {
+                return Err(format!("{} never said \"{what}\":\n{}", self.name, self.said()));
+            }
+            std::thread::sleep(POLL);
+        }
+        Ok(())
+    }
+
+    /// Waits until it ends by itself.
+    ///
+    /// # Errors
+    /// What it printed, when it does not.
+    pub fn wait(mut self, limit: Duration) -> Result<Ended, String> {
+        let began = Instant::now();
+        loop {
+            let status = self.child.try_wait().map_err(|error| format!("{}: {error}", self.name))?;
+            if let Some(status) = status {
+                return Ok(Ended { name: self.name.clone(), status, said: self.said() });
+            }
+            if began.elapsed() > limit {
+                return Err(format!("{} does not end:\n{}", self.name, self.said()));
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+
+    /// Tells it to end (SIGTERM) and waits for that.
+    ///
+    /// # Errors
+    /// What it printed, when it does not end.
+    pub fn end(self) -> Result<Ended, String> {
+        let told = Command::new("kill").args(["-TERM", &self.child.id().to_string()]).status();
+        told.map_err(|error| format!("kill: {error}"))?;
+        self.wait(LEAVE)
+    }
+
+    /// Kills it (SIGKILL), as a computer that loses its power.
+    ///
+    /// # Errors
+    /// Why that was not possible.
+    pub fn kill(mut self) -> Result<Ended, String> {
+        self.child.kill().map_err(|error| format!("{}: {error}", self.name))?;
+        self.wait(LEAVE)
+    }
+}
+
+impl Drop for Station {
+    fn drop(&mut self) {
+        // one that ended is no longer there to be killed
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
