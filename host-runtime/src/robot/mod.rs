@@ -14,6 +14,8 @@ pub mod address;
 
 pub mod clock;
 
+pub mod lateness;
+
 mod query;
 
 pub mod set_point;

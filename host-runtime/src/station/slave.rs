@@ -22,6 +22,10 @@ pub struct Cycle {
     pub step: SlaveStep<f64>,
     /// What the port said at its beginning.
     pub reading: ArmReading<f64>,
+    /// When the joints to go to were known, by the clock the cycle was given.
+    pub solved_us: u64,
+    /// When they were written to the port, by the same clock; `None` where they were not.
+    pub written_us: Option<u64>,
     /// What went wrong at the port; not [`PortError::NotReady`], which its status tells.
     pub port_error: Option<PortError>,
 }
@@ -142,10 +146,21 @@ impl SlaveStation {
 
     /// One cycle, at the rate of the limits' configuration.
     pub fn cycle(&mut self, now_us: u64) -> Cycle {
+        self.cycle_by(now_us, || now_us)
+    }
+
+    /// One cycle at `now_us` that tells by a clock when its stages were done.
+    pub fn cycle_by(&mut self, now_us: u64, clock: impl Fn() -> u64) -> Cycle {
         let (reading, unread) = self.read();
         let step = self.slave.step(now_us, &reading);
+        let solved_us = clock();
+        let mut written_us = None;
         let told = match &step.order {
-            PortOrder::Write(joints) => self.robot.write_set_point(joints),
+            PortOrder::Write(joints) => {
+                let told = self.robot.write_set_point(joints);
+                written_us = told.is_ok().then(&clock);
+                told
+            }
             PortOrder::Stop => self.robot.stop(),
             PortOrder::Nothing => Ok(()),
         };
@@ -155,7 +170,7 @@ impl SlaveStation {
             let _ = self.robot.stop();
             self.slave.stop_refused();
         }
-        Cycle { step, reading, port_error: untold.or(unread) }
+        Cycle { step, reading, solved_us, written_us, port_error: untold.or(unread) }
     }
 
     /// Stops the arm at its port too, as at the end of a run.

@@ -10,19 +10,13 @@ use crate::cli::keyboard::{Key, Keyboard};
 use crate::cli::note;
 use crate::exit::{Exit, Failure};
 use crate::output::ArmCsv;
-use crate::station::{Cycle, EnableThenReset, SlaveStation};
+use crate::station::{Cycle, EnableThenReset, Reset, Resetting, SlaveStation};
 use std::time::{Duration, Instant};
-use tetrad_core::arm::port::{PortError, PortStatus};
+use tetrad_core::arm::port::PortStatus;
 use tetrad_core::arm::teleop::State;
 
 /// How long the end of the run waits for the arm to be at rest.
 const REST: Duration = Duration::from_secs(3);
-
-/// How long an arm may take to be switched on: one that calibrates itself goes slowly from joint to joint.
-const SWITCH_ON: Duration = Duration::from_secs(150);
-
-/// How long a port may take to say that it has begun to switch on.
-const BEGIN: Duration = Duration::from_millis(500);
 
 /// How long hold-to-run is told to be released before nobody's button is pressed.
 const RELEASED: Duration = Duration::from_millis(200);
@@ -35,20 +29,6 @@ enum Input {
     Open,
     /// The other end went away.
     Ended,
-}
-
-/// A reset that was asked for.
-#[derive(Clone, Copy, Debug)]
-struct Reset {
-    since: Instant,
-    /// The arm was told to switch on.
-    told: bool,
-}
-
-impl Reset {
-    fn asked(now: Instant) -> Self {
-        Self { since: now, told: false }
-    }
 }
 
 /// A slave at work.
@@ -64,7 +44,7 @@ pub(super) struct Run {
     /// What the newest packet says of the button.
     sender_pressed: bool,
     /// A reset that waits for the arm to be switched on.
-    reset: Option<Reset>,
+    reset: Option<Resetting>,
     /// How the run ends where nobody is there to mend it.
     worst: Option<(Exit, String)>,
 }
@@ -124,7 +104,7 @@ impl Run {
         let end = longest.map(|longest| self.began + longest);
         let mut due = self.began;
         if self.keyboard.is_none() {
-            self.reset = Some(Reset::asked(self.began));
+            self.reset = Some(Resetting::asked(self.micros(self.began)));
         }
         loop {
             let now = Instant::now();
@@ -168,7 +148,7 @@ impl Run {
                     self.reset = None;
                 }
                 Ok(Some(Key::Homed)) => self.station.confirm_homed(),
-                Ok(Some(Key::Reset)) => self.reset = Some(Reset::asked(now)),
+                Ok(Some(Key::Reset)) => self.reset = Some(Resetting::asked(now_us)),
                 Ok(None) => break,
                 Err(cause) => {
                     self.shut_down()?;
@@ -215,24 +195,21 @@ impl Run {
 
     /// A reset that was asked for, as soon as the arm is switched on.
     fn try_reset(&mut self, now: Instant) {
-        let Some(Reset { since, told }) = self.reset else { return };
-        let outcome = self.station.reset(self.micros(now), !told);
-        self.reset = Some(Reset { since, told: true });
-        match outcome {
-            Ok(()) => {
+        let now_us = self.micros(now);
+        let Some(reset) = &mut self.reset else { return };
+        match reset.go_on(&mut self.station, now_us) {
+            Reset::Done => {
                 self.reset = None;
                 self.packets.begin();
                 if self.input == Input::Starting {
                     self.input = Input::Open;
                 }
             }
-            Err(EnableThenReset::SwitchingOn) if now < since + SWITCH_ON => {}
-            // a port that has a thread of its own says a little later that it switches on
-            Err(EnableThenReset::NotHomed | EnableThenReset::Port(PortError::NotReady(_)))
-                if told && now < since + BEGIN => {}
+            Reset::Waits => {}
             // the button has to be heard first
-            Err(EnableThenReset::Law(_)) if self.keyboard.is_none() && now < self.began + RELEASED => {}
-            Err(refusal) => {
+            Reset::Refused(EnableThenReset::Law(_))
+                if self.keyboard.is_none() && now < self.began + RELEASED => {}
+            Reset::Refused(refusal) => {
                 self.reset = None;
                 let reason = self.station.robot().reason();
                 let reason = reason.map_or_else(String::new, |reason| format!(" ({reason})"));

@@ -16,8 +16,8 @@
 
 use super::bus::{Bus, Receive, Transmit};
 use super::frame::Frame;
-use super::lateness::Lateness;
 use super::master::{Counters, Master};
+use crate::robot::lateness::Lateness;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};

@@ -14,7 +14,6 @@
 //! | the master: what it makes of frames, what it sends | [`master`] |
 //! | why the arm was stopped, in words | `cause` |
 //! | the thread that owns the bus | `cycle` |
-//! | how late its cycles began | `lateness` |
 //! | the robot port | `port` |
 //!
 //! Everything up to the master knows neither clock nor thread: tests run it through every failure in
@@ -40,8 +39,6 @@ mod node;
 
 pub mod master;
 
-mod lateness;
-
 mod cycle;
 
 mod port;
@@ -50,7 +47,6 @@ pub use address::CanopenAddress;
 pub use cause::{Cause, DriveName, Foreign, Nonsense};
 pub use config::{CanopenConfig, CanopenConfigError, Homing};
 pub use cycle::Opener;
-pub use lateness::Lateness;
 pub use port::{CanopenError, CanopenPort};
 
 use std::io;

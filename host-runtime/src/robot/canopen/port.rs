@@ -3,9 +3,9 @@
 use super::bus::Bus;
 use super::config::{CanopenConfig, CanopenConfigError};
 use super::cycle::{Link, Opener, Request, spawn};
-use super::lateness::Lateness;
 use super::master::{Counters, Master};
 use crate::robot::Robot;
+use crate::robot::lateness::Lateness;
 use crate::robot::set_point::SetPointGate;
 use std::io;
 use std::thread::JoinHandle;

@@ -1,0 +1,252 @@
+//! The slave station at the end of a link: motion and buttons of one operator in, the arm's state out.
+//!
+//! ```text
+//!               motion, buttons                        set-points
+//!   carrier  ------------------->  LinkedSlave  ----------------->  robot port
+//!            <-------------------               <-----------------
+//!               arm state                               joints
+//! ```
+//!
+//! - What came is as old as this station's own clock says. Silence is no release and no press: after the
+//!   law's times the arm stops, and goes on or waits for a press as the law has it.
+//! - The stop begins within the command timeout (100 ms by default) of the last motion that came: a cycle
+//!   is taken off, since the cycle in which a motion has grown too old may come one cycle late.
+//! - Buttons are states and counts, so a lost packet loses nothing: a stop is asked for as long as it is
+//!   pressed, a reset by a count that is another than before. The first packet of a session asks for none.
+//! - Whether a packet counts at all (its session, its number) was decided by the carrier.
+
+use super::resetting::{Reset, Resetting};
+use super::settling::Settling;
+use super::slave::{Cycle, EnableThenReset, SlaveStation};
+use crate::link::Carrier;
+use crate::robot::Robot;
+use crate::robot::clock::Clock;
+use tetrad_core::arm::port::PortError;
+use tetrad_core::arm::puma560::Joints;
+use tetrad_core::arm::slave::Stamp;
+use tetrad_core::arm::teleop::{Counts, Order};
+use tetrad_core::config::{SlaveConfig, SlaveConfigError};
+use tetrad_core::wire::{ButtonsPacket, CommandEcho, MotionPacket};
+
+/// How often the arm's state is told while nothing new is, microseconds.
+const TELL_US: u64 = 10_000;
+
+/// A slave with its arm and its operator.
+#[derive(Debug)]
+pub struct LinkedSlave<C> {
+    station: SlaveStation,
+    carrier: C,
+    session: u32,
+    sequence: u32,
+    told_us: Option<u64>,
+    buttons: Option<(ButtonsPacket, u64)>,
+    resetting: Option<Resetting>,
+    refused: Option<EnableThenReset>,
+    /// The newest motion that was taken, until it is followed.
+    fresh: Option<Fresh>,
+    command: Option<CommandEcho>,
+    settling: Settling,
+}
+
+/// A motion that has come and was not followed yet.
+#[derive(Clone, Copy, Debug)]
+struct Fresh {
+    session: u32,
+    sequence: u32,
+    received_us: u64,
+}
+
+impl<C: Carrier> LinkedSlave<C> {
+    /// A slave that is stopped; its arm is switched on by the operator's first reset. `session` is what
+    /// the carrier has said this station's packets are of.
+    ///
+    /// # Errors
+    /// [`SlaveConfigError`] for a setting that cannot be worked with.
+    pub fn new(
+        config: &SlaveConfig,
+        robot: Box<dyn Robot>,
+        carrier: C,
+        session: u32,
+    ) -> Result<Self, SlaveConfigError> {
+        config.check()?;
+        let mut config = *config;
+        let timeout_us = &mut config.teleop.command_timeout_us;
+        // a timeout that is no longer than a cycle has nothing to give
+        *timeout_us = timeout_us.saturating_sub(config.governor.cycle_us).max(1);
+        Ok(Self {
+            station: SlaveStation::new(&config, robot)?,
+            carrier,
+            session,
+            sequence: 0,
+            told_us: None,
+            buttons: None,
+            resetting: None,
+            refused: None,
+            fresh: None,
+            command: None,
+            settling: Settling::default(),
+        })
+    }
+
+    /// The slave and its arm.
+    #[must_use]
+    pub const fn station(&self) -> &SlaveStation {
+        &self.station
+    }
+
+    /// Waits until the next cycle is [due](Robot::pace).
+    pub fn pace(&mut self, due: std::time::Instant) {
+        self.station.pace(due);
+    }
+
+    /// How many commands came, and what became of them.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.station.counts()
+    }
+
+    /// Why the operator's last reset was not done, once.
+    pub const fn take_refusal(&mut self) -> Option<EnableThenReset> {
+        self.refused.take()
+    }
+
+    /// The newest motion that moved the arm, and when it passed each stage.
+    #[must_use]
+    pub const fn command(&self) -> Option<CommandEcho> {
+        self.command
+    }
+
+    /// Somebody at the arm stops it. The operator may reset it.
+    pub const fn stop(&mut self) {
+        self.station.stop();
+        self.resetting = None;
+    }
+
+    /// Somebody at the arm vouches for it that every joint is homed.
+    pub fn confirm_homed(&mut self) {
+        self.station.confirm_homed();
+    }
+
+    /// Stops the arm at its port too, as at the end of a run, and tells so.
+    ///
+    /// # Errors
+    /// [`PortError`] where the port cannot be told.
+    pub fn shut_down(&mut self) -> Result<(), PortError> {
+        self.station.shut_down()
+    }
+
+    /// One cycle: what came, the law, the limits, the port, and the arm's state. The clock is the
+    /// carrier's.
+    pub fn cycle(&mut self, clock: &Clock) -> Cycle {
+        self.hear(clock);
+        // after what came, so that nothing has come in the future
+        let now_us = clock.now_us();
+        self.go_on_resetting(now_us);
+        let cycle = self.station.cycle_by(now_us, || clock.now_us());
+        let followed = self.follow(&cycle, now_us);
+        if followed || self.told_us.is_none_or(|told_us| now_us.saturating_sub(told_us) >= TELL_US) {
+            self.tell(&cycle, now_us);
+        }
+        cycle
+    }
+
+    fn hear(&mut self, clock: &Clock) {
+        if let Some(motion) = self.carrier.motion() {
+            self.take_motion(&motion.what, motion.received_us);
+        }
+        if let Some(buttons) = self.carrier.buttons() {
+            self.take_buttons(buttons.what, buttons.received_us, clock.now_us());
+        }
+    }
+
+    fn take_motion(&mut self, motion: &MotionPacket, received_us: u64) {
+        // what is refused is counted, and told with the state that it leads to
+        if self.station.take(motion, received_us).is_ok() {
+            let MotionPacket { session, sequence, .. } = *motion;
+            self.fresh = Some(Fresh { session, sequence, received_us });
+        }
+    }
+
+    fn take_buttons(&mut self, buttons: ButtonsPacket, received_us: u64, now_us: u64) {
+        let before = self.buttons.replace((buttons, received_us)).map(|(before, _)| before);
+        self.station.hold_to_run(buttons.pressed, received_us);
+        if buttons.stop {
+            self.stop();
+        } else if before.is_some_and(|before| is_reset(&before, &buttons)) {
+            self.resetting = Some(Resetting::asked(now_us));
+            self.refused = None;
+        }
+    }
+
+    fn go_on_resetting(&mut self, now_us: u64) {
+        let Some(mut resetting) = self.resetting.take() else { return };
+        match resetting.go_on(&mut self.station, now_us) {
+            Reset::Done => {}
+            Reset::Waits => self.resetting = Some(resetting),
+            Reset::Refused(refusal) => self.refused = Some(refusal),
+        }
+    }
+
+    /// Notes which motion the arm was moved by and which it has reached; whether there is a new one.
+    fn follow(&mut self, cycle: &Cycle, now_us: u64) -> bool {
+        if let Some(reading) = &cycle.reading.joints {
+            self.settling.measured(&reading.joints, now_us.saturating_sub(u64::from(reading.age_us)));
+        }
+        let Order::Follow(goal) = &cycle.step.decision.order else {
+            self.fresh = None;
+            self.settling.let_go();
+            return false;
+        };
+        let (Some(fresh), Some(written_us)) = (self.fresh.take(), cycle.written_us) else { return false };
+        if self.command.is_some_and(|before| before.session != fresh.session) {
+            self.settling.restart();
+        }
+        let after = |us: u64| u32::try_from(us.saturating_sub(fresh.received_us)).unwrap_or(u32::MAX);
+        self.command = Some(CommandEcho {
+            session: fresh.session,
+            sequence: fresh.sequence,
+            received_us: fresh.received_us,
+            solved_after_us: after(cycle.solved_us),
+            written_after_us: after(written_us),
+        });
+        // the port has been told: there is time now
+        if let Some(joints) = self.goal_joints(cycle, goal) {
+            self.settling.goal(fresh.sequence, fresh.received_us, joints);
+        }
+        true
+    }
+
+    /// The joints at the goal, as the arm stands now.
+    fn goal_joints(&self, cycle: &Cycle, goal: &tetrad_core::geometry::Pose<f64>) -> Option<Joints<f64>> {
+        let set_point = cycle.step.governed?.set_point;
+        let arm = self.station.slave().arm();
+        let solutions = arm.inverse(goal, &set_point).ok()?;
+        solutions.get(arm.configuration(&set_point)).map(|solution| solution.joints)
+    }
+
+    fn tell(&mut self, cycle: &Cycle, now_us: u64) {
+        let age_us = |heard_us: u64| u32::try_from(now_us.saturating_sub(heard_us)).unwrap_or(u32::MAX);
+        let stamp = Stamp {
+            session: self.session,
+            sequence: self.sequence,
+            time_us: now_us,
+            command: self.command,
+            settled: self.settling.settled(),
+            buttons_age_us: self.buttons.map(|(_, heard_us)| age_us(heard_us)),
+        };
+        let packet = cycle.step.report(&cycle.reading, &stamp);
+        // numbers that may not be sent are no reason to hold up the arm: its fault tells the same
+        if self.carrier.send(&packet.into()).is_ok() {
+            self.sequence = self.sequence.wrapping_add(1);
+        }
+        self.told_us = Some(now_us);
+    }
+}
+
+/// Whether the buttons ask for a reset: a count that has changed within a session.
+const fn is_reset(before: &ButtonsPacket, now: &ButtonsPacket) -> bool {
+    before.session == now.session && before.resets != now.resets
+}
+
+#[cfg(test)]
+mod tests;

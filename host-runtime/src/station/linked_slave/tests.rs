@@ -1,0 +1,378 @@
+//! On simulated time, over the loopback with faults: when the arm follows, when it begins to stop, and
+//! what the operator is told.
+
+use super::*;
+use crate::link::faulty::{Faults, FaultyEnd, pair};
+use crate::robot::simulated::{Mischief, SimulatedArm, SimulatedOptions};
+use tetrad_core::arm::teleop::State;
+use tetrad_core::hand::state::PoseState;
+use tetrad_core::wire::{ArmReason, ArmState, ArmStatePacket, ControllerState, Settled, Transform};
+
+const OPERATOR: u32 = 7;
+const SLAVE: u32 = 8;
+const FRAME_US: u64 = 16_667;
+/// One millisecond: what the clock goes by, whatever the slave's cycle is.
+const TICK_US: u64 = 1_000;
+
+/// An operator, a slave with a simulated arm, and the faulty link between them.
+struct Rig {
+    clock: Clock,
+    operator: FaultyEnd,
+    slave: LinkedSlave<FaultyEnd>,
+    mischief: Mischief,
+    cycle_us: u64,
+    /// When the slave's next cycle is due, and when the operator's next packets are.
+    cycle_due_us: u64,
+    frame_due_us: u64,
+    sequence: u32,
+    buttons: ButtonsPacket,
+    /// What the operator's computer does: whether it sends motion, and buttons.
+    sends: (bool, bool),
+    /// The hand, metres a second along x since it was pressed.
+    speed_m_s: f32,
+    began_us: u64,
+    /// When the last motion and buttons that counted were received, slave's clock.
+    last: Option<Cycle>,
+    /// When the hand was followed last, and not any more for the first time since.
+    followed_us: u64,
+    stopped_us: Option<u64>,
+    states: Vec<ArmStatePacket>,
+}
+
+impl Rig {
+    fn new(cycle_us: u32, faults: [Faults; 2]) -> Self {
+        let clock = Clock::given();
+        let mut config = SlaveConfig::default();
+        config.governor.cycle_us = cycle_us;
+        let options = SimulatedOptions::default();
+        let arm = SimulatedArm::with_clock(&config.puma, &options, clock.clone()).unwrap();
+        let mischief = arm.mischief();
+        let [operator, end] = pair(3, faults, &clock);
+        end.begin(OPERATOR).unwrap();
+        operator.begin(SLAVE).unwrap();
+        let buttons = ButtonsPacket {
+            session: OPERATOR,
+            sequence: 0,
+            time_us: 0,
+            pressed: false,
+            stop: false,
+            resets: 0,
+        };
+        Self {
+            slave: LinkedSlave::new(&config, Box::new(arm), end, SLAVE).unwrap(),
+            clock,
+            operator,
+            mischief,
+            cycle_us: u64::from(cycle_us),
+            cycle_due_us: 0,
+            frame_due_us: 0,
+            sequence: 0,
+            buttons,
+            sends: (true, true),
+            speed_m_s: 0.1,
+            began_us: u64::MAX,
+            last: None,
+            followed_us: 0,
+            stopped_us: None,
+            states: Vec::new(),
+        }
+    }
+
+    fn run_ms(&mut self, ms: u64) {
+        for _ in 0..ms {
+            let now_us = self.clock.now_us() + TICK_US;
+            self.clock.set(now_us);
+            if now_us >= self.frame_due_us {
+                self.frame_due_us += FRAME_US;
+                self.send(now_us);
+            }
+            if now_us >= self.cycle_due_us {
+                self.cycle_due_us += self.cycle_us;
+                self.cycle(now_us);
+            }
+            if let Some(state) = self.operator.arm_state() {
+                self.states.push(state.what);
+            }
+        }
+    }
+
+    fn send(&mut self, now_us: u64) {
+        self.sequence += 1;
+        let x_m = self.speed_m_s * now_us.saturating_sub(self.began_us) as f32 / 1e6;
+        let motion = MotionPacket {
+            session: self.buttons.session,
+            sequence: self.sequence,
+            capture_us: now_us,
+            engaged: true,
+            engagements: 1,
+            state: PoseState::Both,
+            spans: 1,
+            views: 2,
+            seen_in: [2; 4],
+            residual_px: 0.1,
+            increment: Transform::IDENTITY,
+            since_engage: Transform { translation: [x_m, 0.0, 0.0], ..Transform::IDENTITY },
+            covariance: None,
+        };
+        self.buttons.sequence = self.sequence;
+        self.buttons.time_us = now_us;
+        if self.sends.0 {
+            self.operator.send(&motion.into()).unwrap();
+        }
+        if self.sends.1 {
+            self.operator.send(&self.buttons.into()).unwrap();
+        }
+    }
+
+    fn cycle(&mut self, now_us: u64) {
+        let cycle = self.slave.cycle(&self.clock);
+        if matches!(cycle.step.decision.order, Order::Follow(_)) {
+            (self.followed_us, self.stopped_us) = (now_us, None);
+        } else if self.stopped_us.is_none() {
+            self.stopped_us = Some(now_us);
+        }
+        self.last = Some(cycle);
+    }
+
+    fn state(&self) -> State {
+        self.last.unwrap().step.decision.status.state()
+    }
+
+    fn told(&self) -> &ArmStatePacket {
+        self.states.last().expect("the slave tells")
+    }
+
+    /// Switched on, reset and pressed; the hand moves.
+    fn following(mut self) -> Self {
+        self.run_ms(100);
+        self.buttons.resets += 1;
+        self.run_ms(3_000);
+        assert_eq!(self.state(), State::Armed, "{:?}", self.last.unwrap().step.decision.status);
+        self.buttons.pressed = true;
+        self.began_us = self.clock.now_us();
+        self.run_ms(500);
+        assert_eq!(self.state(), State::Engaged);
+        self
+    }
+
+    /// What the slave received last of the motion.
+    fn heard_us(&self) -> u64 {
+        self.slave.command().unwrap().received_us
+    }
+}
+
+const NONE: Faults = Faults {
+    loss: 0.0,
+    delay_us: 0,
+    jitter_us: 0,
+    duplication: 0.0,
+    corruption: 0.0,
+    replay: 0.0,
+    cut: None,
+};
+
+const NETWORK: Faults =
+    Faults { loss: 0.05, delay_us: 8_000, jitter_us: 12_000, duplication: 0.05, replay: 0.05, ..NONE };
+
+#[test]
+fn nothing_moves_before_a_reset_and_a_press_after_it() {
+    let mut rig = Rig::new(10_000, [NONE; 2]);
+    rig.buttons.pressed = true;
+    rig.buttons.resets = 40;
+    rig.run_ms(1_000);
+    assert_eq!(rig.state(), State::Stopped, "the first count of a session asks for nothing");
+    assert_eq!(rig.told().controller, ControllerState::Disabled, "and switches nothing on");
+    rig.buttons.resets += 1;
+    rig.run_ms(3_000);
+    assert_eq!(rig.state(), State::Stopped);
+    let refused = rig.slave.take_refusal().unwrap();
+    assert!(refused.to_string().contains("hold-to-run"), "{refused}");
+    rig.buttons.pressed = false;
+    rig.buttons.resets += 1;
+    rig.run_ms(200);
+    assert_eq!(rig.state(), State::Armed);
+    assert_eq!((rig.followed_us, rig.slave.command()), (0, None));
+    rig.buttons.pressed = true;
+    rig.run_ms(200);
+    assert_eq!(rig.state(), State::Engaged);
+}
+
+/// The operator's computer dies, the cable is cut, or the operator's motion stays away: the first cycle
+/// that stops is at most 100 ms after the last motion that came, by the slave's clock, and the one before
+/// it still followed.
+#[test]
+fn silence_stops_the_arm_within_100_ms_of_the_last_motion() {
+    for cycle_us in [1_000, 4_000, 10_000] {
+        for silent_from_ms in 0..20 {
+            for sends in [(false, false), (false, true)] {
+                let mut rig = Rig::new(cycle_us, [NETWORK, NONE]).following();
+                rig.run_ms(silent_from_ms);
+                rig.sends = sends;
+                rig.run_ms(160);
+                let stopped_us = rig.stopped_us.unwrap() - rig.heard_us();
+                assert!(stopped_us <= 100_000, "{cycle_us}: {stopped_us}");
+                let followed_us = rig.followed_us - rig.heard_us();
+                assert!(followed_us + 2 * u64::from(cycle_us) > 100_000 - 1_000, "{cycle_us}: {followed_us}");
+                assert_eq!(rig.told().reason, ArmReason::NoCommand);
+                assert!(rig.told().command_age_us().unwrap() >= 100_000);
+                // which a hold that lasts ends: it takes a release and a press
+                rig.run_ms(1_000);
+                assert_eq!(rig.state(), State::Armed);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cut_cable_is_silence() {
+    let mut rig = Rig::new(10_000, [NETWORK, NONE]).following();
+    let now_us = rig.clock.now_us();
+    rig.operator.set_faults(Faults { cut: Some((now_us, now_us + 2_000_000)), ..NETWORK });
+    rig.run_ms(200);
+    let stopped_us = rig.stopped_us.unwrap() - rig.heard_us();
+    assert!(stopped_us <= 100_000, "{stopped_us}");
+    rig.run_ms(1_800);
+    let place = rig.last.unwrap().step.governed.unwrap().set_point;
+    rig.run_ms(2_000);
+    assert_eq!(rig.state(), State::Armed, "the end of the cut moves nothing");
+    assert_eq!(rig.last.unwrap().step.governed.unwrap().set_point, place);
+    rig.buttons.pressed = false;
+    rig.run_ms(200);
+    rig.buttons.pressed = true;
+    rig.run_ms(200);
+    assert_eq!(rig.state(), State::Engaged, "a release and a press do");
+}
+
+#[test]
+fn buttons_that_are_not_heard_are_no_release_and_no_press() {
+    let mut rig = Rig::new(10_000, [NONE; 2]).following();
+    rig.sends = (true, false);
+    rig.run_ms(150);
+    assert_eq!(rig.state(), State::Engaged, "not heard for a while is not released");
+    rig.run_ms(150);
+    assert_eq!(rig.told().reason, ArmReason::NoHoldToRun, "but not for long");
+    rig.sends = (true, true);
+    rig.run_ms(50);
+    assert_eq!(rig.state(), State::Engaged, "it was held all the time");
+}
+
+#[test]
+fn a_release_stops_in_the_cycle_in_which_it_is_heard() {
+    for cycle_us in [1_000, 10_000] {
+        let mut rig = Rig::new(cycle_us, [NONE; 2]).following();
+        rig.buttons.pressed = false;
+        let sent_us = rig.frame_due_us.max(rig.clock.now_us());
+        rig.run_ms(40);
+        let after_us = rig.stopped_us.unwrap() - sent_us;
+        assert!(after_us <= u64::from(cycle_us) + TICK_US, "{after_us}");
+        assert_eq!(rig.told().state, ArmState::Armed);
+    }
+}
+
+#[test]
+fn a_stop_latches_through_every_reset_until_it_is_let_go() {
+    let mut rig = Rig::new(10_000, [NONE; 2]).following();
+    rig.buttons.stop = true;
+    rig.buttons.resets += 1;
+    rig.run_ms(300);
+    assert_eq!((rig.told().state, rig.told().reason), (ArmState::Stopped, ArmReason::Asked));
+    rig.buttons.stop = false;
+    rig.run_ms(300);
+    assert_eq!(rig.state(), State::Stopped, "the reset was asked for while it was pressed");
+    rig.buttons.pressed = false;
+    rig.run_ms(50);
+    rig.buttons.resets += 1;
+    rig.run_ms(100);
+    assert_eq!(rig.state(), State::Armed);
+}
+
+#[test]
+fn somebody_at_the_arm_stops_it() {
+    let mut rig = Rig::new(10_000, [NONE; 2]).following();
+    rig.slave.stop();
+    rig.run_ms(500);
+    assert_eq!((rig.told().state, rig.told().reason), (ArmState::Stopped, ArmReason::Asked));
+    let governed = rig.last.unwrap().step.governed.unwrap();
+    assert!(governed.at_rest, "{governed:?}");
+}
+
+#[test]
+fn another_session_of_the_operator_moves_nothing_without_a_press() {
+    let mut rig = Rig::new(10_000, [NONE; 2]).following();
+    // the operator's computer starts anew, its button held
+    rig.sends = (false, false);
+    rig.run_ms(600);
+    rig.sends = (true, true);
+    rig.slave.carrier.begin(OPERATOR + 1).unwrap();
+    rig.buttons = ButtonsPacket { session: OPERATOR + 1, resets: 9, ..rig.buttons };
+    rig.sequence = 0;
+    rig.run_ms(1_000);
+    assert_ne!(rig.state(), State::Engaged, "it was pressed already");
+    rig.buttons.pressed = false;
+    rig.run_ms(100);
+    rig.buttons.pressed = true;
+    rig.run_ms(300);
+    assert_eq!(rig.state(), State::Engaged);
+    let told = rig.told();
+    assert_eq!(told.command.unwrap().session, OPERATOR + 1);
+    let settled = told.settled.map(|settled| settled.sequence);
+    assert!(settled.is_none_or(|sequence| sequence <= told.command.unwrap().sequence), "{settled:?}");
+}
+
+#[test]
+fn an_arm_that_faults_says_so_and_takes_a_reset() {
+    let mut rig = Rig::new(10_000, [NONE; 2]).following();
+    rig.mischief.fault(Some(3), 77);
+    rig.run_ms(100);
+    let told = rig.told();
+    assert_eq!((told.state, told.reason), (ArmState::Fault, ArmReason::Arm));
+    assert_eq!(told.controller, ControllerState::Fault { joint: 3, code: 77 });
+    rig.mischief.mend();
+    rig.buttons.pressed = false;
+    rig.run_ms(100);
+    rig.buttons.resets += 1;
+    rig.run_ms(3_000);
+    assert_eq!(rig.state(), State::Armed);
+}
+
+#[test]
+fn the_state_is_told_100_times_a_second_and_for_every_motion() {
+    for cycle_us in [1_000, 10_000] {
+        let mut rig = Rig::new(cycle_us, [NONE; 2]);
+        rig.run_ms(1_000);
+        assert_eq!(rig.states.len(), 100, "at rest");
+        let mut rig = rig.following();
+        rig.states.clear();
+        rig.run_ms(1_000);
+        let mut told: Vec<u32> = rig.states.iter().map(|state| state.command.unwrap().sequence).collect();
+        told.dedup();
+        assert!(told.windows(2).all(|pair| pair[1] == pair[0] + 1), "{told:?}");
+        assert!(told.len() >= 59, "{}", told.len());
+        assert!(rig.states.len() <= 161, "{}", rig.states.len());
+        let sequences: Vec<u32> = rig.states.iter().map(|state| state.sequence).collect();
+        assert!(sequences.windows(2).all(|pair| pair[1] == pair[0] + 1));
+    }
+}
+
+#[test]
+fn the_motions_that_the_arm_has_reached_are_told() {
+    let mut rig = Rig::new(1_000, [NONE; 2]).following();
+    rig.states.clear();
+    rig.run_ms(1_000);
+    let settled: Vec<Settled> = rig.states.iter().filter_map(|state| state.settled).collect();
+    assert!(settled.windows(2).all(|pair| pair[0].sequence <= pair[1].sequence));
+    let (first, last) = (settled[0], settled[settled.len() - 1]);
+    assert!(last.sequence > first.sequence + 40, "{first:?} {last:?}");
+    let mut after_us: Vec<u32> = settled.iter().map(|settled| settled.after_us).collect();
+    after_us.sort_unstable();
+    let median_us = after_us[after_us.len() / 2];
+    // the servos of the simulated arm are some tens of milliseconds behind, and the governor is too
+    assert!((5_000..400_000).contains(&median_us), "{median_us}");
+    // at rest it ends where the hand is
+    rig.speed_m_s = 0.0;
+    rig.began_us = 0;
+    rig.run_ms(50);
+    let newest = rig.told().command.unwrap().sequence;
+    rig.run_ms(3_000);
+    assert!(rig.told().settled.unwrap().sequence > newest);
+}
