@@ -20,6 +20,11 @@ impl Interrupt {
         Ok(Self(asked))
     }
 
+    /// What is set then; whoever sets it asks as well.
+    pub(super) fn flag(&self) -> &AtomicBool {
+        &self.0
+    }
+
     pub(super) fn asked(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

@@ -64,7 +64,7 @@ enum Command {
     /// Teach the balls' colours as one camera sees them
     #[command(after_help = learn::EXAMPLES)]
     Learn(learn::LearnArgs),
-    /// Drive an arm by what `tetrad track --packets` sends
+    /// Drive an arm by what a station or `tetrad track --packets` sends
     #[command(after_help = slave::EXAMPLES)]
     Slave(slave::SlaveArgs),
     /// Track the balls in one or two cameras and write what was seen

@@ -19,6 +19,8 @@ pub struct Served {
     pub lateness: Lateness,
     /// From a motion's coming to its set-point's writing.
     pub written: Lateness,
+    /// Why the port could not be stopped in the end, if so.
+    pub unstopped: Option<PortError>,
 }
 
 /// Runs a slave until `end` is set: every cycle by the port's own pace or the computer's clock. Then the
@@ -26,16 +28,13 @@ pub struct Served {
 ///
 /// `each` sees every cycle and may stop the arm; it runs after the port was told, and what it takes is
 /// taken from the time to the next cycle.
-///
-/// # Errors
-/// [`PortError`] where the port could not be stopped in the end.
 pub fn serve<C: Carrier>(
     slave: &mut LinkedSlave<C>,
     cycle_us: u32,
     clock: &Clock,
     end: &AtomicBool,
     mut each: impl FnMut(&mut LinkedSlave<C>, &Cycle),
-) -> Result<Served, PortError> {
+) -> Served {
     let period = Duration::from_micros(u64::from(cycle_us));
     let mut served = Served::default();
     let mut due = Instant::now();
@@ -68,8 +67,8 @@ pub fn serve<C: Carrier>(
         // a port's own beat may be ahead of this clock
         due = due.min(now);
     }
-    slave.shut_down()?;
-    Ok(served)
+    served.unstopped = slave.shut_down().err();
+    served
 }
 
 fn micros(duration: Duration) -> u64 {

@@ -5,8 +5,12 @@
 //! terminal: hold-to-run, stop, reset --------------+--> loop at the arm's rate --> robot port
 //! ```
 //!
+//! With a file that names an operator, motion and buttons come over the link instead (`linked`), and the
+//! terminal is only for whoever stands at the arm.
+//!
 //! Here flags become settings and a run its results; `run` is the loop.
 
+mod linked;
 mod packets;
 mod run;
 mod talk;
@@ -16,16 +20,18 @@ use super::keyboard::Keyboard;
 use super::{make_dir, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::output::ArmCsv;
-use crate::robot::{self, RobotAddress, RobotError, RobotKind};
+use crate::robot::{self, Robot, RobotAddress, RobotError, RobotKind};
 use crate::settings::arm::ArmSettings;
+use crate::settings::station::StationSettings;
 use crate::station::SlaveStation;
 use clap::{Args, ValueEnum};
 use packets::{Origin, Packets};
 use run::{Ended, Run};
 use std::io::IsTerminal as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 use tetrad_core::arm::teleop::Counts;
+use tetrad_core::config::SlaveConfig;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -35,11 +41,14 @@ Examples:
     tetrad slave --packets motion.bin --hold-to-run sender
   The settings of an arm from a file:
     tetrad slave --config tetrad.toml --packets -
+  A station: the operator that the file names moves the arm over the network (docs/stations.md):
+    tetrad slave --config tetrad.toml
 
 On the terminal: r resets (after the start, a stop or a fault), the space bar moves the arm while it is
 held (a terminal tells late that it was let go: 0.2 s after, 0.7 s after a mere tap; a kitty-like one at
 once), any other key stops it at once, q ends the program. Where drives cannot tell that their joints are homed
-(homing = 'confirm'), h says so.
+(homing = 'confirm'), h says so. At a station's terminal any key stops the arm, h and q are as above, and
+it is the operator who resets and holds hold-to-run.
 
 URL is sim: (a simulated PUMA 560), dry-run:FILE (set-points into a CSV file), val2:/dev/ttyUSB0 (a
 PUMA's own VAL II controller), canopen:can0 or canopen+slcan:/dev/ttyACM0 (six CiA 402 drives);
@@ -63,12 +72,12 @@ pub(super) struct SlaveArgs {
     /// What drives the arm; takes the place of the file's
     #[arg(long, value_name = "URL")]
     port: Option<RobotAddress>,
-    /// Motion packets: a file that `tetrad track --packets` wrote, or - for standard input
-    #[arg(long, value_name = "FILE", default_value = "-")]
-    packets: String,
-    /// Who holds hold-to-run
-    #[arg(long, value_enum, default_value_t = HoldToRun::Keyboard)]
-    hold_to_run: HoldToRun,
+    /// Motion packets: a file that `tetrad track --packets` wrote, or - for standard input [default: -]
+    #[arg(long, value_name = "FILE")]
+    packets: Option<String>,
+    /// Who holds hold-to-run [default: keyboard]
+    #[arg(long, value_enum)]
+    hold_to_run: Option<HoldToRun>,
     /// Ends after so many seconds [default: at the end of the packets, or with q]
     #[arg(long, value_name = "N")]
     seconds: Option<f64>,
@@ -79,14 +88,6 @@ pub(super) struct SlaveArgs {
 
 /// Runs `tetrad slave`.
 pub(super) fn run(args: &SlaveArgs) -> Result<(), Failure> {
-    let settings = settings(args)?;
-    let address = args.port.clone().or_else(|| settings.port.clone()).unwrap_or_default();
-    if args.hold_to_run == HoldToRun::Sender && address.moves_an_arm() {
-        return Err(Failure::bad_arguments(format!(
-            "{address} moves an arm: somebody has to hold the button, --hold-to-run sender will not do"
-        ))
-        .help("leave the flag out and hold the space bar, or try it with --port sim: first"));
-    }
     let seconds = match args.seconds {
         Some(s) if !(s > 0.0 && s <= MAX_SECONDS) => {
             return Err(Failure::bad_arguments(format!(
@@ -96,29 +97,46 @@ pub(super) fn run(args: &SlaveArgs) -> Result<(), Failure> {
         Some(s) => Some(Duration::from_secs_f64(s)),
         None => None,
     };
-    let record = match &args.out {
-        Some(dir) => {
-            make_dir(dir)?;
-            Some(ArmCsv::create(dir).or_exit(Exit::Failed)?)
+    let Some(file) = &args.config else { return piped(args, &ArmSettings::default(), seconds) };
+    let settings = StationSettings::load(file).or_exit(Exit::BadArguments)?;
+    match (&settings.slave.operator, &settings.network) {
+        (Some(operator), Some(network)) => {
+            let flags =
+                [("--packets", args.packets.is_some()), ("--hold-to-run", args.hold_to_run.is_some())];
+            if let Some((flag, _)) = flags.iter().find(|(_, given)| *given) {
+                return Err(Failure::bad_arguments(format!(
+                    "{flag} does not go with {}: there the station {operator} moves the arm",
+                    file.display()
+                ))
+                .help("leave the flag out, or take `operator` out of [slave]"));
+            }
+            linked::run(args, &settings, network, operator, seconds)
         }
-        None => None,
-    };
-    let origin = origin(&args.packets);
-    if origin == Origin::Pipe && args.hold_to_run == HoldToRun::Keyboard && std::io::stdin().is_terminal() {
+        _ => piped(args, &settings.slave.arm, seconds),
+    }
+}
+
+/// Motion from a pipe or a file.
+fn piped(args: &SlaveArgs, settings: &ArmSettings, seconds: Option<Duration>) -> Result<(), Failure> {
+    let hold_to_run = args.hold_to_run.unwrap_or(HoldToRun::Keyboard);
+    let address = address(args, settings);
+    if hold_to_run == HoldToRun::Sender && address.moves_an_arm() {
+        return Err(Failure::bad_arguments(format!(
+            "{address} moves an arm: somebody has to hold the button, --hold-to-run sender will not do"
+        ))
+        .help("leave the flag out and hold the space bar, or try it with --port sim: first"));
+    }
+    let record = record(args)?;
+    let origin = origin(args.packets.as_deref().unwrap_or("-"));
+    if origin == Origin::Pipe && hold_to_run == HoldToRun::Keyboard && std::io::stdin().is_terminal() {
         // both would read the same keys, and a stop might go to the wrong one
         return Err(Failure::bad_arguments("standard input is the terminal: no packets come from there")
             .help("pipe `tetrad track --packets -` into it, or give --packets FILE"));
     }
     let packets = Packets::open(&origin)?;
-    let mut config = settings.slave;
-    if matches!(address.kind(), RobotKind::Canopen(_)) {
-        // the limits go at the rate of the drives
-        config.governor.cycle_us = settings.canopen.period_us;
-    }
-    let port = robot::open(&address, &config.puma, &settings.canopen).map_err(not_opened)?;
-    config.governor.speed_share = config.governor.speed_share.min(port.speed_share());
+    let (config, port) = open_port(&address, settings)?;
     let station = SlaveStation::new(&config, port).or_exit(Exit::BadArguments)?;
-    let keyboard = match args.hold_to_run {
+    let keyboard = match hold_to_run {
         HoldToRun::Keyboard => Some(Keyboard::open().map_err(no_keyboard)?),
         HoldToRun::Sender => None,
     };
@@ -140,15 +158,33 @@ pub(super) fn run(args: &SlaveArgs) -> Result<(), Failure> {
     }
 }
 
+fn address(args: &SlaveArgs, settings: &ArmSettings) -> RobotAddress {
+    args.port.clone().or_else(|| settings.port.clone()).unwrap_or_default()
+}
+
+/// Opens what drives the arm, and what the slave has to keep to with it.
+fn open_port(
+    address: &RobotAddress,
+    settings: &ArmSettings,
+) -> Result<(SlaveConfig, Box<dyn Robot>), Failure> {
+    let mut config = settings.slave;
+    if matches!(address.kind(), RobotKind::Canopen(_)) {
+        // the limits go at the rate of the drives
+        config.governor.cycle_us = settings.canopen.period_us;
+    }
+    let port = robot::open(address, &config.puma, &settings.canopen).map_err(not_opened)?;
+    config.governor.speed_share = config.governor.speed_share.min(port.speed_share());
+    Ok((config, port))
+}
+
+fn record(args: &SlaveArgs) -> Result<Option<ArmCsv>, Failure> {
+    let Some(dir) = &args.out else { return Ok(None) };
+    make_dir(dir)?;
+    Ok(Some(ArmCsv::create(dir).or_exit(Exit::Failed)?))
+}
+
 /// The longest run that can be asked for: a day.
 const MAX_SECONDS: f64 = 86_400.0;
-
-fn settings(args: &SlaveArgs) -> Result<ArmSettings, Failure> {
-    args.config.as_deref().map_or_else(
-        || Ok(ArmSettings::default()),
-        |file: &Path| ArmSettings::load(file).or_exit(Exit::BadArguments),
-    )
-}
 
 fn origin(packets: &str) -> Origin {
     if packets == "-" { Origin::Pipe } else { Origin::File(PathBuf::from(packets)) }
