@@ -10,8 +10,8 @@
 //! [`streams`] reads one or two of them in step and says where they do not match.
 //!
 //! [`learning`] teaches the balls' colours and says in words what cannot be taught; [`colours`] is the
-//! file they are kept in, [`scene_file`] the file that says where the balls are in a recording, and
-//! [`balls`] the list of those that are meant.
+//! file they are kept in, [`scene_file`] the file that says where the balls are in a recording,
+//! [`camera_start`] what a tracker makes of either, and [`balls`] the list of those that are meant.
 //!
 //! [`pipeline`] joins one tracker a camera with the hand that they see. It knows no files and no
 //! devices: stations and tests feed it frames.
@@ -28,6 +28,7 @@
 //! [`exit`] carries what went wrong to `main`, which alone prints errors and ends the process.
 
 pub mod balls;
+pub mod camera_start;
 pub mod cli;
 pub mod colours;
 pub mod comparison;

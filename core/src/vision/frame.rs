@@ -226,6 +226,18 @@ impl<'a> FrameView<'a> {
         self.format
     }
 
+    /// The bytes, as they were given.
+    #[must_use]
+    pub const fn data(&self) -> &'a [u8] {
+        self.data
+    }
+
+    /// How many bytes after each other rows start.
+    #[must_use]
+    pub const fn stride(&self) -> usize {
+        self.stride
+    }
+
     /// Whether column `x`, row `y` lies inside the picture.
     #[inline]
     #[must_use]

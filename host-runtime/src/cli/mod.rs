@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand. Commands print results; errors go up to `main`.
 
 mod arm;
+mod camera;
 mod check;
 mod demo;
 pub mod devices;
@@ -46,6 +47,9 @@ enum Command {
     /// The arm's kinematics, CSV in and CSV out
     #[command(after_help = arm::EXAMPLES)]
     Arm(arm::ArmArgs),
+    /// A camera station: one camera, tracked where it is, for the operator
+    #[command(after_help = camera::EXAMPLES)]
+    Camera(camera::CameraArgs),
     /// Say what a station's file means, or what is wrong with it; nothing is opened, nothing moves
     #[command(after_help = check::EXAMPLES)]
     Check(check::CheckArgs),
@@ -79,6 +83,7 @@ enum Command {
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Arm(args) => arm::run(&args),
+        Command::Camera(args) => camera::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Devices => devices::run(),

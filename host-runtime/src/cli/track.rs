@@ -2,13 +2,12 @@
 
 use super::interrupt::Interrupt;
 use super::{make_results_dir, note, progress, say};
+use crate::camera_start::{Named, camera_start};
 use crate::exit::{Exit, Failure, OrExit as _};
-use crate::learning;
 use crate::output::{RecordedCamera, Recorder, Stamp, Summary};
 use crate::pipeline::Step;
 use crate::pipeline::{CameraStart, Pipeline};
-use crate::scene_file;
-use crate::settings::{CameraSettings, Start, TrackArgs, TrackSettings};
+use crate::settings::{TrackArgs, TrackSettings};
 use crate::source::{self, Frame, Gap, Options, View};
 use crate::station::MotionSender;
 use crate::streams::{End, Stream, Streams};
@@ -18,12 +17,8 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
-use tetrad_core::config::LearnConfig;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::filter::PoseFilter;
-use tetrad_core::observation::{BALLS, Ball};
-use tetrad_core::vision::appearance::LearntBall;
-use tetrad_core::vision::frame::FrameView;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -166,7 +161,9 @@ fn track(
 fn start(settings: &TrackSettings, frames: &[Frame<'_>]) -> Result<Pipeline, Failure> {
     let mut cameras: Vec<CameraStart> = Vec::new();
     for (camera, frame) in settings.cameras.iter().zip(frames) {
-        cameras.push(CameraStart { focal_px: camera.focal_px, ..learnt(camera, frame)? });
+        let named = Named { name: camera.name, source: &camera.source };
+        let start = camera_start(named, &camera.start, &frame.view)?;
+        cameras.push(CameraStart { focal_px: camera.focal_px, ..start });
     }
     let mut config = settings.mode.pipeline();
     config.tracker.rigid = settings.rigid;
@@ -181,45 +178,6 @@ fn start(settings: &TrackSettings, frames: &[Frame<'_>]) -> Result<Pipeline, Fai
         Failure::new(Exit::BadArguments, cause)
     })?;
     Ok(pipeline.with_filter(filter))
-}
-
-fn learnt(camera: &CameraSettings, frame: &Frame<'_>) -> Result<CameraStart, Failure> {
-    match &camera.start {
-        Start::Colours(colours) => {
-            let balls = colours.learnt_balls();
-            fits(camera, &balls, &frame.view)?;
-            Ok(CameraStart::anywhere(balls))
-        }
-        Start::Seeds { seeds, file } => {
-            let size = (frame.view.width(), frame.view.height());
-            scene_file::check_seeds(seeds, camera.name, size, file).or_exit(Exit::BadArguments)?;
-            let taught = learning::learn_at(&frame.view, seeds, &LearnConfig::default())
-                .with_context(|| format!("{file}: seeds.{}: no ball can be learnt there", camera.name))
-                .or_exit(Exit::Failed)?;
-            Ok(learning::start_with(&taught))
-        }
-    }
-}
-
-/// Refuses balls that are larger than the picture they are searched in.
-fn fits(
-    camera: &CameraSettings,
-    balls: &[Option<LearntBall>; BALLS],
-    view: &FrameView<'_>,
-) -> Result<(), Failure> {
-    for (ball, learnt) in Ball::ALL.into_iter().zip(balls) {
-        let least_side = f32::from(view.width().min(view.height()));
-        if let Some(learnt) = learnt.filter(|learnt| learnt.diameter > least_side) {
-            let (name, source, diameter) = (camera.name, &camera.source, learnt.diameter);
-            let (width, height) = (view.width(), view.height());
-            return Err(Failure::bad_arguments(format!(
-                "{source}: the {name} pictures are {width}x{height} pixels, and the {} ball is {diameter} px across",
-                ball.name()
-            ))
-            .help("give larger pictures, or colours that were learnt from these"));
-        }
-    }
-    Ok(())
 }
 
 fn stamp(frame: &Frame<'_>) -> Stamp {

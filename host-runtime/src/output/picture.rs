@@ -4,7 +4,7 @@ use super::csv::OutputError;
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
-use tetrad_core::observation::{Ball, ObservationState};
+use tetrad_core::observation::{Ball, ObservationState, Observations};
 use tetrad_core::vision::frame::{FrameView, Rgb};
 use tetrad_core::vision::tracker::StepReport;
 
@@ -64,6 +64,32 @@ impl Canvas {
                 self.set(x, y + d, colour);
             }
         }
+    }
+
+    /// Draws a circle around each ball that has a place: white where it is seen whole, black where it is
+    /// seen in part or predicted.
+    pub fn circles(&mut self, balls: &Observations) {
+        for ball in balls {
+            let colour = match ball.state {
+                ObservationState::Visible => WHITE,
+                ObservationState::Occluded | ObservationState::Predicted => BLACK,
+                ObservationState::Lost => continue,
+            };
+            let radius = 0.5 * f64::from(ball.diameter);
+            let (u, v) = (f64::from(ball.centre.u), f64::from(ball.centre.v));
+            // two marks a pixel of the rim leave no hole; a nonsense size costs no more than this
+            let marks = (4.0 * std::f64::consts::PI * radius).clamp(8.0, 50_000.0).ceil();
+            for mark in 0..marks as u32 {
+                let (sin, cos) = (f64::from(mark) / marks * std::f64::consts::TAU).sin_cos();
+                self.set((u + radius * cos).round() as i32, (v + radius * sin).round() as i32, colour);
+            }
+        }
+    }
+
+    /// The pixels, row by row: red, green, blue.
+    #[must_use]
+    pub fn rgb(&self) -> &[u8] {
+        &self.rgb
     }
 
     /// Writes a PNG file.

@@ -1,28 +1,39 @@
 //! What runs where: the parts of the stations that cross threads and wires.
 //!
 //! ```text
+//! camera:    source --> CameraStation --observation packet--> (link, or CameraThread in the same process)
+//!                           +-- Preview --picture--> (link)
+//! smart camera:  serial port --> SerialNode --observation packet-->
 //! operator:  pipeline --Step--> MotionSender --motion packet--> (pipe, file; later the link)
 //! slave:     packets, hold-to-run --> SlaveStation --set-point--> robot port
 //!            the link's motion, buttons --> LinkedSlave (a SlaveStation in it) --arm state--> the link
 //! ```
 //!
-//! Nothing here opens a device, and only [`serve`] reads a clock by itself: the commands hand in what came
-//! and when.
+//! What decides reads no clock and opens no device, but is handed what came and when: by the commands, by
+//! [`serve`], or by a thread beside it.
 
 mod announcement;
+mod back_off;
+pub mod camera;
 mod following;
 mod linked_slave;
 mod motion;
+mod newest;
+pub mod node;
 pub mod pairing;
+mod preview;
 mod resetting;
 mod serve;
 mod settling;
 mod slave;
 
 pub use announcement::{SlaveAnnouncement, UnreadableAnnouncement};
+pub use camera::{CameraCounts, CameraSink, CameraStation, CameraThread, Label};
 pub use following::{Closeness, Following, Truth};
 pub use linked_slave::LinkedSlave;
 pub use motion::MotionSender;
+pub use node::{NodeCounts, SerialNode};
+pub use preview::Preview;
 pub use resetting::{Reset, Resetting};
 pub use serve::{Served, serve};
 pub use slave::{Cycle, EnableThenReset, SlaveStation};

@@ -1,0 +1,106 @@
+//! A camera of this computer on a thread of its own, for an operator in the same process.
+
+use super::{CameraCounts, CameraStation, Step};
+use crate::exit::Failure;
+use crate::link::Received;
+use crate::station::newest::Newest;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use tetrad_core::wire::ObservationPacket;
+
+/// A running [`CameraStation`]. Its observations come as those of another station do.
+pub struct CameraThread {
+    newest: Arc<Newest>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<Ended>>,
+}
+
+type Ended = (CameraCounts, Result<(), Failure>);
+
+impl CameraThread {
+    /// Starts it; `ring` wakes the operator's loop whenever there are new observations.
+    ///
+    /// # Errors
+    /// The system has no thread left.
+    pub fn start(station: CameraStation, ring: impl Fn() + Send + 'static) -> io::Result<Self> {
+        let newest = Arc::new(Newest::default());
+        let stop = Arc::new(AtomicBool::new(false));
+        let theirs = (Arc::clone(&newest), Arc::clone(&stop));
+        let thread = std::thread::Builder::new()
+            .name("camera".to_owned())
+            .spawn(move || run(station, &theirs.0, &theirs.1, &ring))?;
+        Ok(Self { newest, stop, thread: Some(thread) })
+    }
+
+    /// The newest observations, if they were not taken yet.
+    #[must_use]
+    pub fn observation(&self) -> Option<Received<ObservationPacket>> {
+        self.newest.take()
+    }
+
+    /// What the operator should know and was not told yet.
+    #[must_use]
+    pub fn take_notices(&self) -> Vec<String> {
+        self.newest.notices()
+    }
+
+    /// Whether there will be no more observations: a recording is over, or cannot be read on.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Ends it, and gives what it has seen and why it ended before.
+    ///
+    /// # Panics
+    /// Where the thread did.
+    #[must_use = "what it has seen is told nowhere else"]
+    pub fn end(mut self) -> (CameraCounts, Result<(), Failure>) {
+        self.stop.store(true, Ordering::Relaxed);
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(ended)) => ended,
+            Some(Err(panic)) => std::panic::resume_unwind(panic),
+            // it is taken here alone, and by value
+            None => (CameraCounts::new(), Ok(())),
+        }
+    }
+}
+
+impl Drop for CameraThread {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn run(mut station: CameraStation, newest: &Newest, stop: &AtomicBool, ring: &dyn Fn()) -> Ended {
+    let mut sink = |packet: &ObservationPacket| {
+        // it is here as soon as it is made
+        let received_us = packet.capture_us + u64::from(packet.observed_us);
+        newest.put(Received { what: *packet, received_us, captured_us: Some(packet.capture_us) });
+        ring();
+    };
+    let mut ended = Ok(());
+    while !stop.load(Ordering::Relaxed) {
+        match station.step(&mut sink) {
+            Ok(Step::Observed) => {}
+            Ok(Step::Lost(wait)) => std::thread::sleep(wait),
+            Ok(Step::Ended) => break,
+            Err(failure) => {
+                ended = Err(failure);
+                break;
+            }
+        }
+        let notices = station.take_notices();
+        if !notices.is_empty() {
+            newest.tell(notices);
+        }
+    }
+    newest.tell(station.take_notices());
+    ring();
+    (station.counts.clone(), ended)
+}

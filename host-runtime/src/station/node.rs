@@ -1,0 +1,189 @@
+//! A smart camera: a microcontroller that tracks by itself and sends observations over a serial port.
+//!
+//! ```text
+//! serial port --bytes--> wire::Decoder --packets--> Receiver --newest--> the operator's loop
+//!    ^ opened again where it went away
+//! ```
+//!
+//! To the operator it is a camera station: its observations come with the times of the station's own
+//! clock. Nothing is sent to it; how late the packets are is told by the quickest of them.
+
+mod receiver;
+
+pub use receiver::NodeCounts;
+
+use super::back_off::BackOff;
+use super::newest::Newest;
+use crate::link::Received;
+use crate::robot::clock::Clock;
+use receiver::{Line, Receiver};
+use serialport::{DataBits, FlowControl, Parity, SerialPort, StopBits};
+use std::io::{self, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use tetrad_core::wire::ObservationPacket;
+
+/// How long a read waits: until then nobody hears of the program's end.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Bytes read at a time: more than a whole packet.
+const CHUNK: usize = 512;
+
+/// A smart camera on a serial port. Where it is dropped, the port is closed.
+pub struct SerialNode {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Shared {
+    newest: Newest,
+    counts: Mutex<NodeCounts>,
+    stop: AtomicBool,
+}
+
+impl SerialNode {
+    /// Listens at `device` from now on. That nothing is there is no error: it is opened as soon as
+    /// there is. `ring` wakes the operator's loop whenever there are new observations.
+    ///
+    /// # Errors
+    /// The system has no thread left.
+    pub fn start(
+        device: &Path,
+        baud: u32,
+        clock: Clock,
+        ring: impl Fn() + Send + 'static,
+    ) -> io::Result<Self> {
+        let shared = Arc::new(Shared {
+            newest: Newest::default(),
+            counts: Mutex::default(),
+            stop: AtomicBool::new(false),
+        });
+        let listener = Listener {
+            device: device.to_owned(),
+            baud,
+            clock,
+            shared: Arc::clone(&shared),
+            receiver: Receiver::default(),
+            back_off: BackOff::default(),
+            told: String::new(),
+        };
+        let thread =
+            std::thread::Builder::new().name("node".to_owned()).spawn(move || listener.listen(&ring))?;
+        Ok(Self { shared, thread: Some(thread) })
+    }
+
+    /// The newest observations, if they were not taken yet.
+    #[must_use]
+    pub fn observation(&self) -> Option<Received<ObservationPacket>> {
+        self.shared.newest.take()
+    }
+
+    /// What the operator should know and was not told yet: a port that went away or came back.
+    #[must_use]
+    pub fn take_notices(&self) -> Vec<String> {
+        self.shared.newest.notices()
+    }
+
+    /// What became of what was received.
+    #[must_use]
+    pub fn counts(&self) -> NodeCounts {
+        *self.shared.counts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for SerialNode {
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The thread's own.
+struct Listener {
+    device: PathBuf,
+    baud: u32,
+    clock: Clock,
+    shared: Arc<Shared>,
+    receiver: Receiver,
+    back_off: BackOff,
+    /// Why the port is not open, as it was told.
+    told: String,
+}
+
+impl Listener {
+    fn listen(mut self, ring: &dyn Fn()) {
+        while !self.shared.stop.load(Ordering::Relaxed) {
+            if let Some(wait) = self.back_off.wait(self.clock.now_us()) {
+                std::thread::sleep(wait);
+                continue;
+            }
+            let lost = match self.open() {
+                Ok(port) => {
+                    self.tell("the port is open: it is listened to".to_owned());
+                    self.told.clear();
+                    self.back_off = BackOff::default();
+                    match self.read(port, ring) {
+                        Ok(()) => return,
+                        Err(error) => format!("the port went away ({error}): plug the camera in again"),
+                    }
+                }
+                Err(error) => format!("the port cannot be opened ({error}): plug the camera in"),
+            };
+            if self.told != lost {
+                self.tell(format!("{lost}; it is tried again and again"));
+                self.told = lost;
+            }
+            self.back_off.failed(self.clock.now_us());
+        }
+    }
+
+    fn open(&self) -> Result<Box<dyn SerialPort>, serialport::Error> {
+        serialport::new(self.device.to_string_lossy(), self.baud)
+            .data_bits(DataBits::Eight)
+            .parity(Parity::None)
+            .stop_bits(StopBits::One)
+            .flow_control(FlowControl::None)
+            .timeout(PATIENCE)
+            .open()
+    }
+
+    /// Reads until the end of the program, or of the port.
+    fn read(&mut self, mut port: Box<dyn SerialPort>, ring: &dyn Fn()) -> io::Result<()> {
+        let line = Line::of(&self.device, self.baud);
+        self.receiver.open();
+        let mut bytes = [0; CHUNK];
+        while !self.shared.stop.load(Ordering::Relaxed) {
+            let count = match port.read(&mut bytes) {
+                Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
+                Ok(count) => count,
+                Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => {
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
+            let now_us = self.clock.now_us();
+            let came = self.receiver.take(bytes.get(..count).unwrap_or_default(), line, now_us);
+            *self.shared.counts.lock().unwrap_or_else(PoisonError::into_inner) = self.receiver.counts();
+            if let Some(notice) = self.receiver.take_notice() {
+                self.tell(notice);
+            }
+            if let Some(came) = came {
+                self.shared.newest.put(came);
+                ring();
+            }
+        }
+        Ok(())
+    }
+
+    fn tell(&self, what: String) {
+        self.shared.newest.tell([format!("node:serial:{}: {what}", self.device.display())]);
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests;

@@ -1,0 +1,122 @@
+//! A node on a pseudo terminal.
+
+use super::*;
+use serialport::TTYPort;
+use std::io::Write as _;
+use std::time::Instant;
+use tetrad_core::observation::{BALLS, Observation};
+use tetrad_core::wire::{MAX_FRAME_LEN, encode};
+
+/// Made 3 ms after the exposure.
+pub(super) fn packet(session: u32, sequence: u32, capture_us: u64) -> ObservationPacket {
+    ObservationPacket {
+        camera: 0,
+        session,
+        sequence,
+        capture_us,
+        ready_us: 1_000,
+        observed_us: 3_000,
+        width: 320,
+        height: 240,
+        pixels_tested: 100,
+        balls: [Observation::default(); BALLS],
+    }
+}
+
+pub(super) fn frame(packet: &ObservationPacket) -> Vec<u8> {
+    let mut out = [0; MAX_FRAME_LEN];
+    let length = encode(&(*packet).into(), &mut out).unwrap();
+    out[..length].to_vec()
+}
+
+/// A pseudo terminal behind a name that stays, as a device has one.
+struct Cable {
+    dir: tempfile::TempDir,
+    ends: Option<(TTYPort, TTYPort)>,
+}
+
+impl Cable {
+    fn unplugged() -> Self {
+        Self { dir: tempfile::tempdir().unwrap(), ends: None }
+    }
+
+    fn device(&self) -> PathBuf {
+        self.dir.path().join("ttyACM0")
+    }
+
+    fn plug(&mut self) {
+        let (master, slave) = TTYPort::pair().unwrap();
+        std::os::unix::fs::symlink(slave.name().unwrap(), self.device()).unwrap();
+        // the slave's end stays open: the terminal lives while no program listens
+        self.ends = Some((master, slave));
+    }
+
+    fn unplug(&mut self) {
+        std::fs::remove_file(self.device()).unwrap();
+        self.ends = None;
+    }
+
+    fn send(&mut self, bytes: &[u8]) {
+        self.ends.as_mut().unwrap().0.write_all(bytes).unwrap();
+    }
+}
+
+/// Sends until something comes, for what is sent before the port is open is lost.
+fn until_heard(cable: &mut Cable, node: &SerialNode, session: u32) -> Received<ObservationPacket> {
+    let began = Instant::now();
+    let mut sequence = 0;
+    while began.elapsed() < Duration::from_secs(60) {
+        cable.send(&frame(&packet(session, sequence, 1_000 * u64::from(sequence))));
+        sequence += 1;
+        std::thread::sleep(Duration::from_millis(5));
+        if let Some(came) = node.observation() {
+            return came;
+        }
+    }
+    panic!("nothing came");
+}
+
+fn until_told(node: &SerialNode, words: &str) -> String {
+    let began = Instant::now();
+    while began.elapsed() < Duration::from_secs(60) {
+        if let Some(notice) = node.take_notices().into_iter().find(|notice| notice.contains(words)) {
+            return notice;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("nothing was told of '{words}'");
+}
+
+#[test]
+fn a_node_is_heard_through_garbage_restarts_and_pulled_cables() {
+    let mut cable = Cable::unplugged();
+    let clock = Clock::wall();
+    let (rung, rings) = std::sync::mpsc::channel();
+    let ring = move || rung.send(()).unwrap();
+    let node = SerialNode::start(&cable.device(), 115_200, clock.clone(), ring).unwrap();
+    let missing = until_told(&node, "cannot be opened");
+    assert!(missing.contains("ttyACM0") && missing.contains("plug the camera in"), "{missing}");
+
+    cable.plug();
+    until_told(&node, "is open");
+    let came = until_heard(&mut cable, &node, 7);
+    assert_eq!((came.what.session, came.what.width), (7, 320));
+    rings.recv_timeout(Duration::from_secs(60)).unwrap();
+    let captured_us = came.captured_us.unwrap();
+    assert!(captured_us <= came.received_us && came.received_us <= clock.now_us());
+
+    cable.send(&[0x55; 700]);
+    cable.send(&[0]);
+    assert_eq!(until_heard(&mut cable, &node, 8).what.session, 8, "begun anew");
+    let counts = node.counts();
+    assert!(counts.damaged >= 1 && counts.taken >= 2, "{counts:?}");
+
+    cable.unplug();
+    let lost = until_told(&node, "went away");
+    assert!(lost.contains("plug the camera in again"), "{lost}");
+    assert_eq!(node.observation(), None);
+    cable.plug();
+    assert_eq!(until_heard(&mut cable, &node, 9).what.session, 9);
+    // the thread ends although nothing comes
+    drop(node);
+}
