@@ -1,6 +1,7 @@
 //! `tetrad camera`: one camera, tracked where it is; observations to every peer.
 
 use super::interrupt::Interrupt;
+use super::memory::Memory;
 use super::{note, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Carrier as _, Link, Peer};
@@ -64,10 +65,12 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
     let mut station = CameraStation::open(&camera.camera, label, clock)?;
     let mut sink = Peers::new(&link, camera.preview_fps)?;
     note(format_args!("{}: {} is tracked", network.name, camera.camera.source));
-    let ended = work(&mut station, &mut sink, &link, longest, &interrupt);
+    let mut memory = Memory::begin();
+    let ended = work(&mut station, &mut sink, &link, &mut memory, (longest, &interrupt));
     tell(&mut station, &link);
     station.counts().lines().iter().for_each(say);
     report(&link);
+    memory.report();
     ended
 }
 
@@ -81,8 +84,8 @@ fn work(
     station: &mut CameraStation,
     sink: &mut Peers,
     link: &Link,
-    longest: Option<Duration>,
-    interrupt: &Interrupt,
+    memory: &mut Memory,
+    (longest, interrupt): (Option<Duration>, &Interrupt),
 ) -> Result<(), Failure> {
     let began = Instant::now();
     while !interrupt.asked() {
@@ -95,6 +98,7 @@ fn work(
             Step::Ended => return Ok(()),
         }
         tell(station, link);
+        memory.look();
     }
     Ok(())
 }

@@ -10,6 +10,7 @@ mod interrupt;
 mod keyboard;
 mod keys;
 mod learn;
+mod memory;
 mod progress;
 mod slave;
 mod track;

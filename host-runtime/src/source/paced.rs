@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 /// A longer pause between two pictures is cut to this, and being late by more is not made up for.
 const LONGEST: Duration = Duration::from_secs(2);
 
-/// See the [module's text](self). Times are seconds since it was opened.
+/// A recording that is played. Times are seconds since it was opened.
 pub struct Paced {
     recording: Box<dyn Source>,
     opened: Instant,

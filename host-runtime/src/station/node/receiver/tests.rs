@@ -1,5 +1,6 @@
 use super::*;
 use crate::station::node::tests::{frame, packet};
+use proptest::prelude::*;
 use std::path::PathBuf;
 
 const USB: Line = Line { byte_us: 0.0 };
@@ -119,4 +120,39 @@ fn the_time_on_the_wire_is_known_where_there_is_a_wire() {
     let came = receiver.take(&bytes, Line { byte_us: 10.0 }, 90_000).unwrap();
     // made 3 ms after the exposure, then on the wire
     assert_eq!(came.captured_us, Some(90_000 - wire_us - 3_000));
+}
+
+proptest! {
+    /// However the line is cut into reads, and whatever lies between the packets, the same comes of it.
+    #[test]
+    fn where_reads_end_changes_nothing(
+        garbage in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..40), 8),
+        cuts in prop::collection::vec(1_usize..200, 1..80),
+    ) {
+        let mut stream = Vec::new();
+        for (sequence, garbage) in (0..).zip(&garbage) {
+            stream.extend_from_slice(garbage);
+            // so that it costs no packet
+            stream.push(0);
+            stream.extend(frame(&packet(7, sequence, 100)));
+        }
+        let mut whole = Receiver::default();
+        whole.open();
+        let newest = take(&mut whole, &stream, 1);
+        prop_assert_eq!(sequence(newest), Some(7));
+        prop_assert_eq!(whole.counts().taken, 8);
+        let mut cut = Receiver::default();
+        cut.open();
+        let (mut rest, mut came) = (&stream[..], 0);
+        for length in cuts.iter().cycle() {
+            let (read, behind) = rest.split_at(rest.len().min(*length));
+            came += u32::from(take(&mut cut, read, 1).is_some());
+            rest = behind;
+            if rest.is_empty() {
+                break;
+            }
+        }
+        prop_assert!((1..=8).contains(&came));
+        prop_assert_eq!(cut.counts(), whole.counts());
+    }
 }
