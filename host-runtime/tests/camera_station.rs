@@ -21,31 +21,63 @@ fn name(text: &str) -> StationName {
 }
 
 fn keys(dir: &Path) {
-    for arguments in ["authority", "station left", "station operator"] {
+    for arguments in ["authority", "station left", "station right", "station operator"] {
         tetrad(dir, &format!("keys --out keys {arguments}")).done();
     }
 }
 
-/// An operator that dials the camera at this port.
-fn operator(dir: &Path, port: u16) -> Link {
+/// An operator that dials the cameras at these ports.
+fn operator(dir: &Path, cameras: &[(&str, u16)]) -> Link {
+    let peer = |(camera, port): &(&str, u16)| PeerConfig {
+        name: name(camera),
+        address: Some(format!("127.0.0.1:{port}")),
+    };
     let config = LinkConfig {
         listen: None,
-        peers: vec![PeerConfig { name: name("left"), address: Some(format!("127.0.0.1:{port}")) }],
+        peers: cameras.iter().map(peer).collect(),
         picture_bytes_per_s: 2_500_000,
     };
     let identity = Identity::load(&dir.join("keys"), &name("operator")).expect("keys");
     Link::start(&config, &identity, Clock::wall()).expect("a link")
 }
 
-fn station(dir: &Path, camera: &str) -> u16 {
+/// Writes NAME.toml, and gives the port.
+fn station(dir: &Path, name: &str, camera: &str) -> u16 {
     // a port that is free now
     let port = UdpSocket::bind("127.0.0.1:0").and_then(|socket| socket.local_addr()).expect("a port").port();
     let file = format!(
-        "[station]\nname = \"left\"\nkeys = \"keys\"\nlisten = \"127.0.0.1:{port}\"\n\n\
+        "[station]\nname = \"{name}\"\nkeys = \"keys\"\nlisten = \"127.0.0.1:{port}\"\n\n\
          [[peer]]\nname = \"operator\"\n\n[camera]\n{camera}"
     );
-    fs::write(dir.join("tetrad.toml"), file).expect("the file is written");
+    fs::write(dir.join(format!("{name}.toml")), file).expect("the file is written");
     port
+}
+
+/// A program that is killed with the test.
+struct Station(Option<Child>);
+
+impl Station {
+    fn start(dir: &Path, name: &str) -> Self {
+        let child = command(&format!("camera --config {name}.toml"))
+            .current_dir(dir)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn();
+        Self(Some(child.expect("the program starts")))
+    }
+
+    fn child(mut self) -> Child {
+        self.0.take().expect("once")
+    }
+}
+
+impl Drop for Station {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.0 {
+            child.kill().and_then(|()| child.wait()).expect("it is killed");
+        }
+    }
 }
 
 /// Ends the program as Ctrl-C does, and gives how it ended and what it said.
@@ -75,15 +107,9 @@ fn observations_and_pictures_come_until_ctrl_c() {
     let dir = tempfile::tempdir().expect("a directory");
     keys(dir.path());
     let camera = "source = \"sim:static-16px\"\nfps = 20\npreview_fps = 5\n";
-    let port = station(dir.path(), camera);
-    let child = command("camera --config tetrad.toml")
-        .current_dir(dir.path())
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    let link = operator(dir.path(), port);
+    let port = station(dir.path(), "left", camera);
+    let program = Station::start(dir.path(), "left");
+    let link = operator(dir.path(), &[("left", port)]);
     let left: Peer = link.peer(&name("left")).expect("the peer");
     let mut last = None;
     for _ in 0..10 {
@@ -101,7 +127,7 @@ fn observations_and_pictures_come_until_ctrl_c() {
     let came = until("a time of capture", || left.observation(0).filter(|came| came.captured_us.is_some()));
     assert!(came.captured_us < Some(came.received_us + 1_000_000));
 
-    let (code, out, err) = interrupted(child);
+    let (code, out, err) = interrupted(program.child());
     assert_eq!(code, Some(0), "{out}\n{err}");
     assert!(err.contains("link: operator is connected"), "{err}");
     for words in
@@ -112,34 +138,83 @@ fn observations_and_pictures_come_until_ctrl_c() {
 }
 
 #[test]
+fn two_stations_show_the_same_moment() {
+    let dir = tempfile::tempdir().expect("a directory");
+    keys(dir.path());
+    // 50 mm from picture to picture; both have the same view, so that both see the same
+    let camera = "source = \"sim:linear-0.5-30fps\"\nfps = 10\n";
+    let ports = ["left", "right"].map(|name| (name, station(dir.path(), name, camera)));
+    let _programs = ports.map(|(name, _)| Station::start(dir.path(), name));
+    let link = operator(dir.path(), &ports);
+    let peers = ports.map(|(camera, _)| link.peer(&name(camera)).expect("the peer"));
+    let mut seen: [Vec<(u64, f32)>; 2] = Default::default();
+    until("ten moments of both", || {
+        for (peer, seen) in peers.iter().zip(&mut seen) {
+            let came =
+                peer.observation(0).filter(|came| came.what.balls[0].state == ObservationState::Visible);
+            seen.extend(came.and_then(|came| Some((came.captured_us?, came.what.balls[0].centre.u))));
+        }
+        let [left, right] = &seen;
+        let same = |at_us: u64| right.iter().find(|(other_us, _)| other_us.abs_diff(at_us) < 20_000);
+        let pairs: Vec<_> = left.iter().filter_map(|(at_us, u)| Some((*u, same(*at_us)?.1))).collect();
+        for (left_u, right_u) in &pairs {
+            assert!((left_u - right_u).abs() < 0.1, "{pairs:?}");
+        }
+        (pairs.len() >= 10).then_some(())
+    });
+    let (least, most) = seen[0].iter().fold((f32::MAX, 0.0_f32), |(a, b), (_, u)| (a.min(*u), b.max(*u)));
+    assert!(most - least > 20.0, "the hand moves: {least} to {most}");
+}
+
+#[test]
+fn a_station_that_was_killed_is_heard_again() {
+    let dir = tempfile::tempdir().expect("a directory");
+    keys(dir.path());
+    let port = station(dir.path(), "left", "source = \"sim:static-16px\"\nfps = 20\n");
+    let link = operator(dir.path(), &[("left", port)]);
+    let left = link.peer(&name("left")).expect("the peer");
+    let heard = || {
+        let _program = Station::start(dir.path(), "left");
+        until("an observation", || left.observation(0)).what.session
+    };
+    let first = heard();
+    // what it sent last is not taken for the next one's
+    let second = until("another session", || {
+        let session = heard();
+        (session != first).then_some(session)
+    });
+    assert_ne!(first, second);
+}
+
+#[test]
 fn it_ends_after_its_time_with_nobody_listening() {
     let dir = tempfile::tempdir().expect("a directory");
     keys(dir.path());
-    station(dir.path(), "source = \"sim:static-16px\"\nfps = 10\n");
-    let said = tetrad(dir.path(), "camera --config tetrad.toml --seconds 1").done().stdout;
+    station(dir.path(), "left", "source = \"sim:static-16px\"\nfps = 10\n");
+    let said = tetrad(dir.path(), "camera --config left.toml --seconds 1").done().stdout;
     assert!(said.contains("operator        connected 0 times"), "{said}");
 }
 
 #[test]
 fn what_is_wrong_is_refused_with_the_mend() {
     let dir = tempfile::tempdir().expect("a directory");
-    let run = || tetrad(dir.path(), "camera --config tetrad.toml --seconds 1");
-    run().refused(2, &["cannot read tetrad.toml"]);
-    station(dir.path(), "source = \"sim:static-16px\"\n");
+    let run = || tetrad(dir.path(), "camera --config left.toml --seconds 1");
+    run().refused(2, &["cannot read left.toml"]);
+    station(dir.path(), "left", "source = \"sim:static-16px\"\n");
     let unnamed = run();
     assert!(
         unnamed.code == Some(2) && unnamed.stderr.contains("keys/left.pem; `tetrad keys`"),
         "{unnamed:?}"
     );
     keys(dir.path());
-    station(dir.path(), "source = \"sim:nothing\"\n");
+    station(dir.path(), "left", "source = \"sim:nothing\"\n");
     run().refused(2, &["sim:nothing", "no scene is called"]);
     fs::write(dir.path().join("colours.toml"), COLOURS).expect("written");
-    station(dir.path(), "source = \"/dev/video-none\"\ncolours = \"colours.toml\"\n");
+    station(dir.path(), "left", "source = \"/dev/video-none\"\ncolours = \"colours.toml\"\n");
     run().refused(3, &["/dev/video-none", "no such camera"]);
-    fs::write(dir.path().join("tetrad.toml"), "[camera]\nsource = \"sim:still\"\n").expect("written");
+    fs::write(dir.path().join("left.toml"), "[camera]\nsource = \"sim:still\"\n").expect("written");
     run().refused(2, &["there is no [station]", "docs/stations.md"]);
-    tetrad(dir.path(), "camera --config tetrad.toml --seconds 0").refused(2, &["--seconds 0"]);
+    tetrad(dir.path(), "camera --config left.toml --seconds 0").refused(2, &["--seconds 0"]);
 }
 
 const COLOURS: &str = "\

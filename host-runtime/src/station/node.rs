@@ -17,7 +17,7 @@ use super::newest::Newest;
 use crate::link::Received;
 use crate::robot::clock::Clock;
 use receiver::{Line, Receiver};
-use serialport::{DataBits, FlowControl, Parity, SerialPort, StopBits};
+use serialport::{ClearBuffer, DataBits, FlowControl, Parity, SerialPort, StopBits};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -155,6 +155,8 @@ impl Listener {
     /// Reads until the end of the program, or of the port.
     fn read(&mut self, mut port: Box<dyn SerialPort>, ring: &dyn Fn()) -> io::Result<()> {
         let line = Line::of(&self.device, self.baud);
+        // what came while nobody listened is old
+        port.clear(ClearBuffer::Input)?;
         self.receiver.open();
         let mut bytes = [0; CHUNK];
         while !self.shared.stop.load(Ordering::Relaxed) {
