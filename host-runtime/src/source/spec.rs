@@ -48,7 +48,7 @@ impl Spec {
         if spec.starts_with("node:") {
             return Err(SourceError::argument(
                 spec,
-                "pictures from another station are not built in this version: give a camera, a folder, a .y4m file or sim:NAME",
+                "another station tracks by itself and sends no pictures to be tracked: name it under [[operator.camera]] in a tetrad.toml, and here give a camera, a folder, a .y4m file or sim:NAME",
             ));
         }
         let path = Path::new(spec);
