@@ -28,6 +28,7 @@ pub mod live_scene;
 mod paced;
 pub mod picture;
 pub mod simulated;
+pub mod simulated_arm;
 mod spec;
 mod timestamps;
 #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]

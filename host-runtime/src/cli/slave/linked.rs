@@ -10,7 +10,7 @@ use crate::link::{Link, Peer, StationName};
 use crate::output::ArmCsv;
 use crate::robot::clock::Clock;
 use crate::settings::station::{NetworkSettings, StationSettings};
-use crate::station::{Cycle, LinkedSlave, SlaveAnnouncement, serve};
+use crate::station::{Cycle, LinkedSlave, SceneCameras, SceneError, SlaveAnnouncement, serve};
 use anyhow::anyhow;
 use std::io::IsTerminal as _;
 use std::sync::atomic::Ordering;
@@ -43,7 +43,10 @@ pub(super) fn run(
         // the file was checked: its operator is one of its peers
         Failure::bad_arguments(format!("no [[peer]] is called `{operator}`"))
     })?;
-    let cameras = u8::try_from(settings.slave.cameras.len()).unwrap_or(u8::MAX);
+    let cameras = &settings.slave.cameras;
+    let scene = SceneCameras::start(cameras, &config.puma, &peer, link.session(), &clock);
+    let scene = scene.map_err(no_scene)?;
+    let cameras = u8::try_from(cameras.len()).unwrap_or(u8::MAX);
     let told = SlaveAnnouncement::new(&address, &config, cameras).encode().or_exit(Exit::Failed)?;
     peer.set_configuration(&told).or_exit(Exit::Failed)?;
     let mut slave = LinkedSlave::new(&config, port, peer, link.session()).or_exit(Exit::BadArguments)?;
@@ -54,6 +57,8 @@ pub(super) fn run(
     let now = Instant::now();
     let mut watch = Overseer {
         link,
+        scene,
+        clock: clock.clone(),
         talk: Talk::new(now),
         record,
         keyboard,
@@ -73,7 +78,8 @@ pub(super) fn run(
     let served =
         serve(&mut slave, cycle_us, &clock, interrupt.flag(), |slave, cycle| watch.each(slave, cycle));
     // the terminal is itself again before the results
-    let Overseer { worst, link, .. } = watch;
+    let Overseer { worst, link, scene, .. } = watch;
+    let pictures = scene.end();
     report(slave.station(), (0, 0));
     let stats = link.peer(operator).map(|peer| peer.stats());
     drop(link);
@@ -86,15 +92,29 @@ pub(super) fn run(
         say(format_args!("link            {:.1} % of the motion lost on the way", motion.loss() * 100.0));
     }
     let unstopped = |error| (Exit::DeviceLost, format!("the arm could not be stopped at its port: {error}"));
+    if let Some(pictures) = pictures {
+        say(format_args!("pictures        {pictures}"));
+    }
     match worst.or(served.unstopped.map(unstopped)) {
         Some((exit, reason)) => Err(Failure::new(exit, anyhow!("{reason}"))),
         None => Ok(()),
     }
 }
 
+fn no_scene(error: SceneError) -> Failure {
+    let exit = match &error {
+        SceneError::Source(_, error) => error.exit(),
+        SceneError::Arm(_) => Exit::BadArguments,
+        SceneError::Thread(_) => Exit::Failed,
+    };
+    Failure::new(exit, error)
+}
+
 /// What is done beside the cycles: keys, lines for whoever reads them, the record.
 struct Overseer {
     link: Link,
+    scene: SceneCameras,
+    clock: Clock,
     talk: Talk,
     record: Option<ArmCsv>,
     keyboard: Option<Keyboard>,
@@ -109,6 +129,10 @@ struct Overseer {
 impl Overseer {
     fn each(&mut self, slave: &mut LinkedSlave<Peer>, cycle: &Cycle) {
         let now = Instant::now();
+        if let Some(reading) = &cycle.reading.joints {
+            let at_us = self.clock.now_us().saturating_sub(u64::from(reading.age_us));
+            self.scene.arm_is_at(&reading.joints, at_us);
+        }
         for line in self.talk.lines(cycle, slave.station().robot().reason(), now) {
             self.print(&line);
         }
@@ -124,6 +148,9 @@ impl Overseer {
             let reason = slave.station().robot().reason();
             let reason = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
             self.print(&format!("no reset: {refusal}{reason}"));
+        }
+        for notice in self.scene.take_notices() {
+            self.print(&notice);
         }
         self.keys(slave, now);
         self.look_for_loss(slave, cycle, now);
