@@ -143,7 +143,7 @@ fn tell_operator(operator: &OperatorSettings) {
 fn tell_slave(slave: &SlaveSettings, here: bool) {
     let SlaveSettings { arm, operator, cameras } = slave;
     let address = arm.port.clone().unwrap_or_default();
-    let moves = if address.moves_an_arm() { "MOVES A REAL ARM" } else { "moves no real arm" };
+    let moves = if address.moves_an_arm() { "moves a real arm" } else { "moves no real arm" };
     row("arm", format_args!("at {address}, {moves}"));
     match operator {
         Some(name) => row("driven by", format_args!("the station {name} alone")),

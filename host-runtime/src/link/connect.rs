@@ -48,10 +48,10 @@ pub(super) async fn accept(endpoint: Endpoint, link: Arc<LinkShared>) {
                     drop(place);
                     carry(&connection, lane, &link, &peer).await;
                 }
-                Ok(Err(reason)) => link.tell(LinkEvent::Refused { address, reason }),
+                Ok(Err(reason)) => link.refuse(address, reason),
                 Err(_) => {
                     let reason = "it did not finish the handshake".to_owned();
-                    link.tell(LinkEvent::Refused { address, reason });
+                    link.refuse(address, reason);
                 }
             }
         });
@@ -95,7 +95,7 @@ async fn carry(connection: &Connection, lane: Lane, link: &LinkShared, peer: &Ar
     if carried.greeted {
         link.tell(LinkEvent::Lost { peer: peer.name.clone(), reason });
     } else if connection.side() == quinn::Side::Server {
-        link.tell(LinkEvent::Refused { address: connection.remote_address(), reason });
+        link.refuse(connection.remote_address(), reason);
     }
     carried
 }

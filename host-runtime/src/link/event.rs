@@ -37,6 +37,8 @@ pub enum LinkEvent {
         address: SocketAddr,
         /// Why.
         reason: String,
+        /// How many refusals before it were not told, for there were too many, or the same.
+        untold: u64,
     },
 }
 
@@ -48,7 +50,14 @@ impl fmt::Display for LinkEvent {
             Self::NotReached { peer, address, reason } => {
                 write!(f, "link: {peer} is not reached at {address}: {reason}")
             }
-            Self::Refused { address, reason } => write!(f, "link: {address} is refused: {reason}"),
+            Self::Refused { address, reason, untold } => {
+                write!(f, "link: {address} is refused: {reason}")?;
+                if *untold > 0 {
+                    write!(f, " (and {untold} times before, here or elsewhere)")
+                } else {
+                    Ok(())
+                }
+            }
         }
     }
 }

@@ -18,7 +18,7 @@
 //! | what is on the streams | [`message`], [`picture`] |
 //! | the newest only, either way | `outbox`, [`inbox`], `gate` |
 //! | the other station's clock | [`clock`] |
-//! | what stations see | [`carrier`], `peer`, `news`, `event` |
+//! | what stations see | [`carrier`], `peer`, `news`, `event`, `refusals` |
 //! | the same without a network, with faults | [`faulty`] |
 //! | the same within a process | [`local`] |
 //!
@@ -52,6 +52,7 @@ mod outbox;
 mod peer;
 pub mod picture;
 mod pictures;
+mod refusals;
 mod session;
 mod shared;
 #[cfg(test)]

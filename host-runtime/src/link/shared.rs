@@ -4,8 +4,10 @@ use super::event::LinkEvent;
 use super::name::StationName;
 use super::news::News;
 use super::peer::PeerShared;
+use super::refusals::Refusals;
 use crate::robot::clock::Clock;
 use std::collections::VecDeque;
+use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Events that nobody has looked at yet; the oldest go first, so that a flood costs no memory.
@@ -25,6 +27,7 @@ pub(super) struct LinkShared {
     pub(super) news: Arc<News>,
     events: Mutex<VecDeque<LinkEvent>>,
     sessions: Mutex<VecDeque<(u32, StationName)>>,
+    refusals: Mutex<Refusals>,
 }
 
 impl LinkShared {
@@ -45,6 +48,7 @@ impl LinkShared {
             news,
             events: Mutex::default(),
             sessions: Mutex::default(),
+            refusals: Mutex::default(),
         }
     }
 
@@ -72,6 +76,17 @@ impl LinkShared {
         events.push_back(event);
         drop(events);
         self.news.ring();
+    }
+
+    /// Somebody was turned away.
+    pub(super) fn refuse(&self, address: SocketAddr, reason: String) {
+        let now_us = self.clock.now_us();
+        let mut refusals = self.refusals.lock().unwrap_or_else(PoisonError::into_inner);
+        let told = refusals.tell(address.ip(), &reason, now_us);
+        drop(refusals);
+        if let Some(untold) = told {
+            self.tell(LinkEvent::Refused { address, reason, untold });
+        }
     }
 
     pub(super) fn take_events(&self) -> Vec<LinkEvent> {

@@ -6,6 +6,7 @@
 
 mod arm;
 mod camera;
+mod chain;
 mod clip;
 mod hand;
 mod slave;

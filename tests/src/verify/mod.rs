@@ -156,6 +156,12 @@ pub const CHECKS: &[Check] = &[
         run: program::demo,
     },
     Check {
+        name: "stations",
+        protects: "four stations over loopback: the arm follows, no stranger gets in, deaths stop it",
+        quick: false,
+        run: program::stations,
+    },
+    Check {
         name: "footage",
         protects: "labelled balls in real footage are found, and nothing else is",
         quick: false,

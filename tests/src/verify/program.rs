@@ -36,6 +36,19 @@ pub(super) fn demo(context: &Context) -> Outcome {
     if run.ok { outcome.showing(run.output) } else { outcome }
 }
 
+/// The runs of `cargo stations` but the flood, whose ten million datagrams are for a quiet computer.
+pub(super) fn stations(context: &Context) -> Outcome {
+    let program = match build(context) {
+        Ok(program) => program,
+        Err(failure) => return failure,
+    };
+    let mut stations = context.cargo(["stations", "--seconds", "15", "--program"]);
+    stations.arg(program).args(["plain", "strangers", "deaths"]);
+    let run = context.run(&mut stations, BUILD_LIMIT);
+    let outcome = run.outcome();
+    if run.ok { outcome.showing(run.output) } else { outcome }
+}
+
 pub(super) fn footage(context: &Context) -> Outcome {
     if crate::shared().is_none() {
         return Outcome::skip(&context.check, "no shared footage: name its folder in TETRAD_SHARED");
