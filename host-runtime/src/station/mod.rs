@@ -15,6 +15,7 @@
 mod announcement;
 mod back_off;
 pub mod camera;
+pub mod delays;
 mod following;
 mod linked_slave;
 mod motion;

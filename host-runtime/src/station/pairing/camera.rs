@@ -36,12 +36,22 @@ impl Camera {
         true
     }
 
+    pub(super) fn newest(&self) -> Option<&Sighting> {
+        self.seen.back()
+    }
+
     pub(super) fn newest_us(&self) -> Option<u64> {
-        self.seen.back().map(|sighting| sighting.capture_us)
+        self.newest().map(|sighting| sighting.capture_us)
+    }
+
+    /// The last sighting that is needed to tell the balls at a time.
+    pub(super) fn used_at(&self, t_us: u64) -> Option<&Sighting> {
+        let together = self.seen.iter().find(|sighting| sighting.capture_us.abs_diff(t_us) <= TOGETHER_US);
+        together.or_else(|| self.first_after(t_us))
     }
 
     pub(super) fn size(&self) -> Option<(u16, u16)> {
-        self.seen.back().map(|sighting| sighting.size)
+        self.newest().map(|sighting| sighting.size)
     }
 
     /// The time from picture to picture, microseconds; `None` before the second.

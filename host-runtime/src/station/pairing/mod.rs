@@ -60,6 +60,8 @@ const LEAST_STEP_SHARE: f64 = 1.0 / 3.0;
 pub struct Sighting {
     /// When the picture was taken, on the clock that all cameras' times are told on.
     pub capture_us: u64,
+    /// When the whole picture was in its camera's memory.
+    pub ready_us: u64,
     /// When it came here.
     pub received_us: u64,
     /// The four balls.
@@ -99,6 +101,12 @@ pub struct Joined {
     pub views: Vec<PairedView>,
     /// The camera whose picture was taken then.
     pub reference: usize,
+    /// When the last of the pictures that were used was whole in its camera's memory.
+    pub ready_us: u64,
+    /// When the reference's picture came here.
+    pub first_us: u64,
+    /// When the last of those that were used came.
+    pub last_us: u64,
 }
 
 /// What became of the sightings.
@@ -170,7 +178,14 @@ impl Pairing {
         } else {
             self.counts.complete += 1;
         }
-        Some(Joined { t_us, views, reference })
+        let first_us = self.cameras.get(reference)?.newest()?.received_us;
+        let used = live.iter().filter_map(|&at| self.cameras.get(at)?.used_at(t_us));
+        let [mut ready_us, mut last_us] = [0; 2];
+        for sighting in used {
+            ready_us = ready_us.max(sighting.ready_us);
+            last_us = last_us.max(sighting.received_us);
+        }
+        Some(Joined { t_us, views, reference, ready_us, first_us, last_us })
     }
 
     /// When to ask for the next instant though nothing came: a camera is late by then.

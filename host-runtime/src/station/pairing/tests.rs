@@ -22,7 +22,7 @@ fn ball(at: usize, t_us: u64) -> Observation {
 
 fn sighting(capture_us: u64, received_us: u64) -> Sighting {
     let balls = std::array::from_fn(|at| ball(at, capture_us));
-    Sighting { capture_us, received_us, balls, size: (640, 480) }
+    Sighting { capture_us, ready_us: received_us.saturating_sub(500), received_us, balls, size: (640, 480) }
 }
 
 /// What comes: when, from which camera, taken when.
@@ -102,6 +102,8 @@ fn pictures_taken_together_are_paired_as_they_are() {
                 "bit for bit"
             );
             assert_eq!(*now_us, joined.t_us + offset_us + DELAY_US, "as soon as both were there");
+            let stamps = [joined.first_us, joined.last_us, joined.ready_us];
+            assert_eq!(stamps, [joined.t_us + DELAY_US, *now_us, now_us - 500]);
         }
     }
 }
