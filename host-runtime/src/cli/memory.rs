@@ -37,7 +37,7 @@ impl Memory {
 }
 
 /// The memory that is this program's own at the moment, kB.
-fn resident_kb() -> Option<u64> {
+pub(super) fn resident_kb() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     resident_of(&status)
 }

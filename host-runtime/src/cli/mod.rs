@@ -11,6 +11,7 @@ mod keyboard;
 mod keys;
 mod learn;
 mod memory;
+mod operator;
 mod progress;
 mod slave;
 mod track;
@@ -24,6 +25,7 @@ use std::fmt::Display;
 use std::io::{self, Write as _};
 use std::path::Path;
 use std::sync::OnceLock;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Why a result could not be printed.
 static UNPRINTED: OnceLock<io::Error> = OnceLock::new();
@@ -69,6 +71,9 @@ enum Command {
     /// Teach the balls' colours as one camera sees them
     #[command(after_help = learn::EXAMPLES)]
     Learn(learn::LearnArgs),
+    /// Join the cameras' observations, send the hand's motion to the slave
+    #[command(after_help = operator::EXAMPLES)]
+    Operator(operator::OperatorArgs),
     /// Drive an arm by what a station or `tetrad track --packets` sends
     #[command(after_help = slave::EXAMPLES)]
     Slave(slave::SlaveArgs),
@@ -91,6 +96,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Keys(args) => keys::run(&args),
         Command::Learn(args) => learn::run(&args),
+        Command::Operator(args) => operator::run(&args),
         Command::Slave(args) => slave::run(&args),
         Command::Track(args) => track::run(args),
     }?;
@@ -139,4 +145,10 @@ fn printed() -> Result<(), Failure> {
 /// Tells the user something beside the results.
 fn note(text: impl Display) {
     let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// A number that no earlier run is likely to have had.
+fn session() -> u32 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    since.subsec_nanos() ^ (since.as_secs() as u32).rotate_left(8) ^ std::process::id().rotate_left(20)
 }

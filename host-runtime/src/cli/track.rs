@@ -16,7 +16,6 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::time::{SystemTime, UNIX_EPOCH};
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::filter::PoseFilter;
 
@@ -83,7 +82,7 @@ impl PacketsOut {
             let made = File::create(file).with_context(|| format!("cannot write {name}"));
             (Box::new(made.or_exit(Exit::BadArguments)?), name)
         };
-        Ok(Self { sender: MotionSender::new(session()), out, name })
+        Ok(Self { sender: MotionSender::new(super::session()), out, name })
     }
 
     /// Sends one step. There is no operator here who could let go: engaged means that the hand is
@@ -95,12 +94,6 @@ impl PacketsOut {
         let sent = self.out.write_all(frame).and_then(|()| self.out.flush());
         sent.with_context(|| format!("cannot send packets to {}", self.name)).or_exit(Exit::DeviceLost)
     }
-}
-
-/// A number that no earlier run is likely to have had.
-fn session() -> u32 {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    since.subsec_nanos() ^ (since.as_secs() as u32).rotate_left(8) ^ std::process::id().rotate_left(20)
 }
 
 fn open(settings: &TrackSettings) -> Result<Streams, Failure> {

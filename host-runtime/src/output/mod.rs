@@ -1,10 +1,12 @@
-//! What `track` and `demo` write: CSV files as they go, and `summary.json` at the end.
+//! What `track`, `demo` and the stations write: CSV files as they go, and `summary.json` at the end.
 //!
 //! Every row is handed to the operating system at once, so what was written so far outlives an error.
 //! Numbers have the fewest digits that read back as the same `f32`; what is not known is left empty.
 
 mod arm;
+mod arm_state;
 mod csv;
+mod delays;
 mod hand;
 mod observations;
 mod picture;
@@ -14,7 +16,9 @@ mod summary;
 mod truth;
 
 pub use arm::ArmCsv;
+pub use arm_state::ArmStateCsv;
 pub use csv::{CsvFile, OutputError};
+pub use delays::write_delays;
 pub use hand::{MotionCsv, PoseCovarianceCsv, PoseCsv};
 pub use observations::{ObservationsCsv, UncertaintyCsv};
 pub use picture::Canvas;

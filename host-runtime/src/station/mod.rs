@@ -4,7 +4,8 @@
 //! camera:    source --> CameraStation --observation packet--> (link, or CameraThread in the same process)
 //!                           +-- Preview --picture--> (link)
 //! smart camera:  serial port --> SerialNode --observation packet-->
-//! operator:  pipeline --Step--> MotionSender --motion packet--> (pipe, file; later the link)
+//! operator:  cameras' observations --> Operator (Pairing, HandStage) --motion, buttons--> the link
+//! track:     pipeline --Step--> MotionSender --motion packet--> pipe, file
 //! slave:     packets, hold-to-run --> SlaveStation --set-point--> robot port
 //!            the link's motion, buttons --> LinkedSlave (a SlaveStation in it) --arm state--> the link
 //! ```
@@ -13,6 +14,7 @@
 //! [`serve`], or by a thread beside it.
 
 mod announcement;
+pub mod arm_words;
 mod back_off;
 pub mod camera;
 pub mod delays;
@@ -21,6 +23,7 @@ mod linked_slave;
 mod motion;
 mod newest;
 pub mod node;
+pub mod operator;
 pub mod pairing;
 mod picture_age;
 mod picture_rate;
@@ -30,6 +33,7 @@ mod scene_camera;
 mod serve;
 mod settling;
 mod slave;
+mod unattended;
 
 pub use announcement::{SlaveAnnouncement, UnreadableAnnouncement};
 pub use camera::{CameraCounts, CameraSink, CameraStation, CameraThread, Label};
@@ -37,6 +41,7 @@ pub use following::{Closeness, Following, Truth};
 pub use linked_slave::LinkedSlave;
 pub use motion::MotionSender;
 pub use node::{NodeCounts, SerialNode};
+pub use operator::Operator;
 pub use picture_age::{STALE_US, is_stale, picture_age_us};
 pub use picture_rate::{LineState, PictureRate};
 pub use preview::Preview;
@@ -44,3 +49,4 @@ pub use resetting::{Reset, Resetting};
 pub use scene_camera::{PictureLine, SceneCameras, SceneError};
 pub use serve::{Served, serve};
 pub use slave::{Cycle, EnableThenReset, SlaveStation};
+pub use unattended::Unattended;

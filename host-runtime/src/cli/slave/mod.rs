@@ -163,7 +163,7 @@ fn address(args: &SlaveArgs, settings: &ArmSettings) -> RobotAddress {
 }
 
 /// Opens what drives the arm, and what the slave has to keep to with it.
-fn open_port(
+pub(super) fn open_port(
     address: &RobotAddress,
     settings: &ArmSettings,
 ) -> Result<(SlaveConfig, Box<dyn Robot>), Failure> {

@@ -99,7 +99,7 @@ pub struct Joined {
     pub t_us: u64,
     /// The cameras in their order.
     pub views: Vec<PairedView>,
-    /// The camera whose picture was taken then.
+    /// The camera whose picture was taken then, or together with the one that was.
     pub reference: usize,
     /// When the last of the pictures that were used was whole in its camera's memory.
     pub ready_us: u64,
@@ -154,16 +154,20 @@ impl Pairing {
     /// The next instant, if its time has come.
     pub fn next(&mut self, now_us: u64) -> Option<Joined> {
         let live: Vec<usize> = (0..self.cameras.len()).filter(|&at| self.is_live(at, now_us)).collect();
-        let (t_us, reference) =
+        let (t_us, earliest) =
             live.iter().filter_map(|&at| Some((self.cameras.get(at)?.newest_us()?, at))).min()?;
         let period_us = live.iter().map(|&at| self.period_us(at)).fold(0.0, f64::max);
+        let best = self.best(&live)?;
+        // of pictures that were taken together either's time will do
+        let newest_us = self.cameras.get(best)?.newest_us()?;
+        let reference = if newest_us.abs_diff(t_us) <= TOGETHER_US { best } else { earliest };
         if let Some(last_us) = self.last_us {
             let step_us = t_us.checked_sub(last_us).filter(|&us| us > 0)? as f64;
             if live.len() > 1 && step_us < LEAST_STEP_SHARE * period_us {
                 return None;
             }
             // where the reference's picture is missing, the next best goes
-            if self.best(&live) != Some(reference) && step_us < period_us {
+            if best != reference && step_us < period_us {
                 return None;
             }
         }

@@ -128,6 +128,37 @@ fn one_instant_a_period_with_the_least_waiting() {
     }
 }
 
+/// Two cameras on one trigger, and clocks that are compared to a few microseconds.
+#[test]
+fn which_of_two_that_go_together_is_first_makes_no_difference() {
+    let shakes_us = [0_u64, 90, 10, 70, 95, 5, 60, 30];
+    let arrivals = two(0, 200).into_iter().enumerate().map(|(at, arrival)| {
+        let capture_us = arrival.capture_us + shakes_us[(at * 5) % 8];
+        Arrival { capture_us, received_us: capture_us + DELAY_US, ..arrival }
+    });
+    let mut pairing = Pairing::new(2);
+    let went = play(&mut pairing, arrivals);
+    check_places(&went);
+    assert!(went.len() >= 199, "{}", went.len());
+    assert!(went[3..].iter().all(|(now_us, joined)| now_us - joined.t_us <= DELAY_US + 100));
+    assert_eq!(pairing.counts().changes, 0);
+}
+
+/// They drift through each other, and every picture is used at once all the same.
+#[test]
+fn cameras_that_drift_through_each_other_lose_no_step() {
+    let arrivals = film(0, 2_000, PERIOD_US, 400).chain(film(1, 0, PERIOD_US + 10, 400));
+    let mut pairing = Pairing::new(2);
+    let went = play(&mut pairing, arrivals);
+    check_places(&went);
+    assert!(went.len() >= 399, "{}", went.len());
+    for (now_us, joined) in &went[4..] {
+        assert!(is_whole(joined));
+        assert!(now_us - joined.t_us <= DELAY_US + 2_100, "{joined:?}");
+    }
+    assert!(pairing.counts().changes <= 3, "{:?}", pairing.counts());
+}
+
 #[test]
 fn eight_cameras_wait_for_all_but_the_widest_gap() {
     let offsets_us = [0, 1_000, 3_000, 3_050, 6_000, 7_000, 8_000, 9_000];

@@ -1,0 +1,131 @@
+//! The cameras that see the hand, wherever they are.
+
+use crate::exit::{Exit, Failure, OrExit as _};
+use crate::link::{Carrier as _, Doorbell, Link, Peer, Received};
+use crate::robot::clock::Clock;
+use crate::settings::station::{HandCamera, HandCameraSettings};
+use crate::station::{CameraStation, CameraThread, Label, SerialNode};
+use anyhow::Context as _;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use tetrad_core::wire::ObservationPacket;
+
+/// A camera station has one camera.
+const CAMERA: u8 = 0;
+
+/// One camera.
+pub(super) struct HandEye {
+    /// As the file calls it.
+    pub(super) name: String,
+    place: Place,
+    /// When its last observations came.
+    pub(super) heard_us: Option<u64>,
+    /// How many came.
+    pub(super) count: u64,
+}
+
+enum Place {
+    Station(Peer),
+    Serial(SerialNode),
+    Here(CameraThread),
+    /// It was here, and its thread has ended.
+    Over,
+}
+
+/// All of them, in their order.
+pub(super) struct Cameras(pub(super) Vec<HandEye>);
+
+impl Cameras {
+    /// Opens those that are here and starts their threads.
+    pub(super) fn start(
+        settings: &[HandCameraSettings],
+        link: Option<&Link>,
+        session: u32,
+        clock: &Clock,
+        bell: &Doorbell,
+    ) -> Result<Self, Failure> {
+        let mut eyes = Vec::new();
+        for (camera, number) in settings.iter().zip(0..) {
+            let bell = bell.clone();
+            let ring = move || bell.ring();
+            let place = match &camera.place {
+                HandCamera::Station(name) => {
+                    // the file was checked: its cameras are among its peers
+                    let peer = link.and_then(|link| link.peer(name));
+                    Place::Station(
+                        peer.ok_or_else(|| {
+                            Failure::bad_arguments(format!("no [[peer]] is called `{name}`"))
+                        })?,
+                    )
+                }
+                HandCamera::Serial { device, baud } => {
+                    let node = SerialNode::start(device, *baud, clock.clone(), ring);
+                    Place::Serial(node.context("a camera's thread cannot be started").or_exit(Exit::Failed)?)
+                }
+                HandCamera::Local(local) => {
+                    let label = Label { camera: number, session };
+                    let station = CameraStation::open(local, label, clock.clone())?;
+                    let thread = CameraThread::start(station, ring);
+                    Place::Here(thread.context("a camera's thread cannot be started").or_exit(Exit::Failed)?)
+                }
+            };
+            let name = match &camera.place {
+                HandCamera::Local(local) => format!("{} {}", camera.source, local.options.view.name()),
+                HandCamera::Station(_) | HandCamera::Serial { .. } => camera.source.clone(),
+            };
+            eyes.push(HandEye { name, place, heard_us: None, count: 0 });
+        }
+        Ok(Self(eyes))
+    }
+
+    /// What there is to tell of those that are here.
+    pub(super) fn notices(&self) -> Vec<String> {
+        self.0
+            .iter()
+            .flat_map(|eye| match &eye.place {
+                Place::Serial(node) => node.take_notices(),
+                Place::Here(thread) => thread.take_notices(),
+                Place::Station(_) | Place::Over => Vec::new(),
+            })
+            .collect()
+    }
+
+    /// Whether a recording has ended; a camera here that cannot go on is an error.
+    pub(super) fn over(&mut self) -> Result<Option<String>, Failure> {
+        let ended = |eye: &&mut HandEye| matches!(&eye.place, Place::Here(thread) if thread.is_over());
+        let Some(eye) = self.0.iter_mut().find(ended) else { return Ok(None) };
+        let Place::Here(thread) = std::mem::replace(&mut eye.place, Place::Over) else { return Ok(None) };
+        let name = &eye.name;
+        let (_, ended) = catch_unwind(AssertUnwindSafe(|| thread.end())).map_err(|_| {
+            Failure::new(
+                Exit::Failed,
+                anyhow::anyhow!("the thread of {name} has panicked; its message stands above"),
+            )
+        })?;
+        ended?;
+        Ok(Some(format!("{name} has no more pictures")))
+    }
+}
+
+impl HandEye {
+    /// The newest observations, if they were not taken yet.
+    pub(super) fn observation(&mut self) -> Option<Received<ObservationPacket>> {
+        let observation = match &self.place {
+            Place::Station(peer) => peer.observation(CAMERA),
+            Place::Serial(node) => node.observation(),
+            Place::Here(thread) => thread.observation(),
+            Place::Over => None,
+        };
+        if let Some(observation) = &observation {
+            self.heard_us = Some(observation.received_us);
+            self.count += 1;
+        }
+        observation
+    }
+
+    /// What was lost on the way here, in words.
+    pub(super) fn losses(&self) -> String {
+        let Place::Station(peer) = &self.place else { return String::new() };
+        let counts = peer.stats().received.observations[usize::from(CAMERA)];
+        format!(", {:.1} % lost, {} late, {} overtaken", counts.loss() * 100.0, counts.late, counts.overtaken)
+    }
+}

@@ -1,0 +1,110 @@
+//! Who holds hold-to-run: the terminal's space bar, or nobody where no arm of iron can move.
+
+use super::super::keyboard::{Key, Keyboard};
+use crate::exit::{Exit, Failure};
+use crate::station::operator::Buttons;
+use crate::station::{SlaveAnnouncement, Unattended};
+use std::time::Instant;
+use tetrad_core::wire::ArmStatePacket;
+
+/// Where the buttons are.
+pub(super) enum Hold {
+    Keyboard { keyboard: Keyboard, buttons: Buttons },
+    Always { unattended: Unattended, allowed: bool },
+}
+
+/// What the operator wants beside the buttons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wish {
+    Nothing,
+    /// The program shall end.
+    Quit,
+    /// The joints are said to be homed, which is for somebody at the arm to say.
+    Homed,
+}
+
+impl Hold {
+    pub(super) fn keyboard() -> Result<Self, Failure> {
+        let keyboard = Keyboard::open().map_err(|cause| {
+            let cause =
+                anyhow::Error::new(cause).context("there is no terminal whose space bar could be held");
+            Failure::new(Exit::BadArguments, cause)
+                .help("run it from a terminal; with a simulated arm --hold-to-run always needs none")
+        })?;
+        Ok(Self::Keyboard { keyboard, buttons: Buttons::default() })
+    }
+
+    /// `allowed`: whether it is known that no arm can move.
+    pub(super) fn always(allowed: bool) -> Self {
+        Self::Always { unattended: Unattended::default(), allowed }
+    }
+
+    pub(super) const fn is_keyboard(&self) -> bool {
+        matches!(self, Self::Keyboard { .. })
+    }
+
+    pub(super) const fn usage(&self) -> &'static str {
+        match self {
+            Self::Keyboard { .. } => "r resets, hold the space bar to move, any other key stops, q ends",
+            Self::Always { .. } => {
+                "hold-to-run is pressed by itself, for nothing that moves is at the other end"
+            }
+        }
+    }
+
+    /// What the slave says of itself.
+    ///
+    /// # Errors
+    /// It moves an arm, and nobody would hold the button.
+    pub(super) fn announced(&mut self, slave: &SlaveAnnouncement) -> Result<(), Failure> {
+        let Self::Always { allowed, .. } = self else { return Ok(()) };
+        *allowed = !slave.moves_an_arm;
+        if *allowed {
+            return Ok(());
+        }
+        Err(Failure::bad_arguments(format!(
+            "the slave's port ({}) moves an arm: somebody has to hold the button, --hold-to-run always will not do",
+            slave.port
+        ))
+        .help("leave the flag out and hold the space bar, or try it with a slave at sim: first"))
+    }
+
+    /// The arm's state has come.
+    pub(super) fn hear(&mut self, state: &ArmStatePacket, now_us: u64) {
+        if let Self::Always { unattended, allowed: true } = self {
+            unattended.hear(state, now_us);
+        }
+    }
+
+    /// Takes what was struck. A terminal that goes away has let go.
+    pub(super) fn keys(&mut self, now: Instant) -> Result<Wish, Failure> {
+        let Self::Keyboard { keyboard, buttons } = self else { return Ok(Wish::Nothing) };
+        let mut wish = Wish::Nothing;
+        loop {
+            match keyboard.next(now) {
+                Ok(Some(Key::Quit)) => return Ok(Wish::Quit),
+                Ok(Some(Key::Stop)) => buttons.stop = true,
+                Ok(Some(Key::Reset)) => {
+                    buttons.stop = false;
+                    buttons.resets = buttons.resets.wrapping_add(1);
+                }
+                Ok(Some(Key::Homed)) => wish = Wish::Homed,
+                Ok(None) => break,
+                Err(cause) => {
+                    let cause = anyhow::Error::new(cause).context("the terminal went away");
+                    return Err(Failure::new(Exit::Safety, cause));
+                }
+            }
+        }
+        buttons.pressed = keyboard.is_held(now) && !buttons.stop;
+        Ok(wish)
+    }
+
+    pub(super) fn buttons(&mut self, now_us: u64) -> Buttons {
+        match self {
+            Self::Keyboard { buttons, .. } => *buttons,
+            Self::Always { unattended, allowed: true } => unattended.buttons(now_us),
+            Self::Always { .. } => Buttons::default(),
+        }
+    }
+}

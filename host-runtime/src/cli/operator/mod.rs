@@ -1,0 +1,161 @@
+//! `tetrad operator`: the cameras' observations become the hand's motion, and an arm follows it.
+//!
+//! ```text
+//! link's thread: camera stations --+
+//! camera threads: cameras here ----+--observations--> loop --motion, buttons--> slave: a station,
+//! terminal: hold-to-run, stop -----+                   ^                         or a thread here
+//!                                                      +---- arm's state, pictures ----+
+//! ```
+//!
+//! Here flags and a file become a run; `run` is the loop, which sleeps until something comes.
+
+mod cameras;
+mod hold;
+mod pictures;
+mod record;
+mod report;
+mod run;
+mod slave;
+mod talk;
+
+use super::interrupt::Interrupt;
+use super::memory::resident_kb;
+use super::{make_dir, note, say};
+use crate::exit::{Exit, Failure, OrExit as _};
+use crate::link::{Doorbell, Link};
+use crate::robot::clock::Clock;
+use crate::settings::station::{OperatorSettings, SlavePlace, StationSettings};
+use crate::station::Operator;
+use crate::station::operator::OperatorConfig;
+use cameras::Cameras;
+use clap::{Args, ValueEnum};
+use hold::Hold;
+use record::Record;
+use run::{Parts, Run};
+use slave::SlaveLine;
+use std::path::PathBuf;
+use std::time::Duration;
+use tetrad_core::config::HandConfig;
+use tetrad_core::hand::affine::Arms;
+use tetrad_core::hand::tracker::HandMode;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  The stations that tetrad.toml names; hold-to-run on this terminal:
+    tetrad operator --config tetrad.toml
+  A minute with a simulated arm, nobody at the keys:
+    tetrad operator --config tetrad.toml --hold-to-run always --seconds 60 --out out
+
+On the terminal: r resets (after the start, a stop or a fault), the space bar moves the arm while it is
+held, any other key stops it at once, q ends the program.
+
+With --out, DIR gets pose.csv and filtered.csv (the hand), arm_state.csv (what the slave says),
+delays.csv, and the newest pictures of the slave's cameras, left.jpg and right.jpg, with pictures.csv,
+which says how old they are and whether they are stale. docs/stations.md lists the keys of tetrad.toml.";
+
+/// Who holds the button.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum HoldToRun {
+    /// The space bar of this terminal.
+    Keyboard,
+    /// Nobody: it is pressed by itself; with a simulated arm or a dry run only
+    Always,
+}
+
+/// The flags of `tetrad operator`.
+#[derive(Args, Clone, Debug)]
+pub(super) struct OperatorArgs {
+    /// The station's file
+    #[arg(long, value_name = "FILE")]
+    config: PathBuf,
+    /// Who holds hold-to-run
+    #[arg(long, value_enum, default_value_t = HoldToRun::Keyboard)]
+    hold_to_run: HoldToRun,
+    /// Ends after so many seconds [default: with q, or when it is told to end]
+    #[arg(long, value_name = "N")]
+    seconds: Option<f64>,
+    /// Where the results go; made if missing
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// The longest run that can be asked for: a day.
+const MAX_SECONDS: f64 = 86_400.0;
+
+/// Runs `tetrad operator`.
+pub(super) fn run(args: &OperatorArgs) -> Result<(), Failure> {
+    let memory = resident_kb();
+    let settings = StationSettings::load(&args.config).or_exit(Exit::BadArguments)?;
+    let operator = settings.operator.as_ref().ok_or_else(|| no_operator(&settings))?;
+    let longest = match args.seconds {
+        Some(s) if !(s > 0.0 && s <= MAX_SECONDS) => {
+            return Err(Failure::bad_arguments(format!(
+                "--seconds {s}: a number above 0 and up to {MAX_SECONDS} is needed"
+            )));
+        }
+        seconds => seconds.map(Duration::from_secs_f64),
+    };
+    let record = match &args.out {
+        Some(dir) => {
+            make_dir(dir)?;
+            Some(Record::create(dir).or_exit(Exit::Failed)?)
+        }
+        None => None,
+    };
+    if operator.slave == SlavePlace::Here {
+        slave::check_hold(&settings.slave, args.hold_to_run)?;
+    }
+    let interrupt = Interrupt::listen()?;
+    let clock = Clock::wall();
+    let link = match &settings.network {
+        Some(network) => {
+            let identity = network.identity().or_exit(Exit::BadArguments)?;
+            Some(network.start(&identity, clock.clone()).or_exit(Exit::BadArguments)?)
+        }
+        None => None,
+    };
+    let bell = link.as_ref().map_or_else(Doorbell::default, Link::doorbell);
+    let session = link.as_ref().map_or_else(super::session, Link::session);
+    let station = Operator::new(&config(operator)?, session).or_exit(Exit::BadArguments)?;
+    let cameras = Cameras::start(&operator.cameras, link.as_ref(), session, &clock, &bell)?;
+    let slave = match &operator.slave {
+        SlavePlace::Here => SlaveLine::here(&settings.slave, session, &clock, &bell)?,
+        SlavePlace::Station(name) => SlaveLine::peer(name, link.as_ref())?,
+    };
+    let hold = match args.hold_to_run {
+        HoldToRun::Keyboard => Hold::keyboard()?,
+        HoldToRun::Always => Hold::always(operator.slave == SlavePlace::Here),
+    };
+    let parts = Parts { station, cameras, slave, hold, link, bell, clock, record, memory };
+    let mut run = Run::new(parts);
+    run.print(run.usage());
+    let ended = run.all(longest, &interrupt);
+    // the terminal is itself again before the results
+    let lines = run.end();
+    lines.iter().for_each(say);
+    ended
+}
+
+fn no_operator(settings: &StationSettings) -> Failure {
+    Failure::bad_arguments(format!(
+        "{}: there is no [operator], and an operator station needs it",
+        settings.file.display()
+    ))
+    .help("docs/stations.md has a whole file for each station")
+}
+
+fn config(settings: &OperatorSettings) -> Result<OperatorConfig, Failure> {
+    let arms = Arms::equal(settings.arm_m).map_err(|refusal| {
+        Failure::new(
+            Exit::BadArguments,
+            anyhow::Error::new(refusal).context("[operator] arm_mm cannot be worked with"),
+        )
+    })?;
+    Ok(OperatorConfig {
+        arms,
+        mode: HandMode::Refined,
+        hand: HandConfig::default(),
+        filter: settings.filter,
+        focal_px: settings.cameras.iter().map(|camera| camera.focal_px).collect(),
+    })
+}

@@ -1,0 +1,269 @@
+//! The loop of an operator: it sleeps until something comes or is due.
+
+use super::cameras::Cameras;
+use super::hold::{Hold, Wish};
+use super::note;
+use super::pictures::Pictures;
+use super::record::Record;
+use super::report::{self, Memory};
+use super::slave::SlaveLine;
+use super::talk::Talk;
+use crate::cli::interrupt::Interrupt;
+use crate::cli::memory::resident_kb;
+use crate::exit::{Exit, Failure};
+use crate::link::{Carrier as _, Doorbell, Link, Watch};
+use crate::output::OutputError;
+use crate::robot::clock::Clock;
+use crate::station::operator::{Buttons, OperatorTurn};
+use crate::station::{Operator, SlaveAnnouncement, arm_words};
+use std::time::{Duration, Instant};
+use tetrad_core::wire::{ArmState, ArmStatePacket};
+
+/// Keys are looked at so often while nothing comes.
+const KEYS: Duration = Duration::from_millis(10);
+
+/// What is no part of the motion (events, pictures, threads that ended) is looked at so often,
+/// microseconds.
+const CHORES_US: u64 = 20_000;
+
+/// The memory is warm after a quarter of the run, or after so long, microseconds.
+const WARM_US: u64 = 60_000_000;
+
+/// How often the release is told at the end, and how far apart.
+const RELEASES: u32 = 3;
+const RELEASE_EVERY: Duration = Duration::from_millis(20);
+
+/// What a run is made of.
+pub(super) struct Parts {
+    pub(super) station: Operator,
+    pub(super) cameras: Cameras,
+    pub(super) slave: SlaveLine,
+    pub(super) hold: Hold,
+    pub(super) link: Option<Link>,
+    pub(super) bell: Doorbell,
+    pub(super) clock: Clock,
+    pub(super) record: Option<Record>,
+    /// The program's memory before it began, kB.
+    pub(super) memory: Option<u64>,
+}
+
+/// An operator at work.
+pub(super) struct Run {
+    parts: Parts,
+    watch: Watch,
+    talk: Talk,
+    pictures: Pictures,
+    memory: Memory,
+    chores_us: u64,
+    slave_heard_us: Option<u64>,
+    arm: Option<ArmStatePacket>,
+}
+
+impl Run {
+    pub(super) fn new(parts: Parts) -> Self {
+        let watch = parts.bell.watch();
+        let pictures = Pictures::new(parts.record.as_ref().map(|record| record.dir.as_path()));
+        let memory = Memory { start: parts.memory, ..Memory::default() };
+        Self {
+            parts,
+            watch,
+            talk: Talk::default(),
+            pictures,
+            memory,
+            chores_us: 0,
+            slave_heard_us: None,
+            arm: None,
+        }
+    }
+
+    pub(super) const fn usage(&self) -> &'static str {
+        self.parts.hold.usage()
+    }
+
+    /// Turn after turn until the end, at most for so long.
+    pub(super) fn all(&mut self, longest: Option<Duration>, interrupt: &Interrupt) -> Result<(), Failure> {
+        let began_us = self.parts.clock.now_us();
+        let micros = |duration: Duration| u64::try_from(duration.as_micros()).unwrap_or(u64::MAX);
+        let end_us = longest.map(|longest| began_us.saturating_add(micros(longest)));
+        let warm_us = began_us + longest.map_or(WARM_US, |longest| (micros(longest) / 4).min(WARM_US));
+        let ended = loop {
+            let now_us = self.parts.clock.now_us();
+            if interrupt.asked() || end_us.is_some_and(|end_us| now_us >= end_us) {
+                break Ok(());
+            }
+            match self.turn(now_us) {
+                Ok(Wish::Quit) => break Ok(()),
+                Ok(Wish::Nothing | Wish::Homed) => {}
+                Err(failure) => break Err(failure),
+            }
+            if self.memory.warm.is_none() && now_us >= warm_us {
+                self.memory.warm = resident_kb();
+            }
+            self.sleep();
+        };
+        let judged = ended.and_then(|()| self.judge());
+        self.let_go();
+        self.memory.end = resident_kb();
+        let slave = self.parts.slave.end();
+        let written = self.finish_record();
+        for line in slave? {
+            self.print(&format!("arm             {line}"));
+        }
+        written.map_err(|error| Failure::new(Exit::Failed, error))?;
+        judged
+    }
+
+    /// What came, what is due.
+    fn turn(&mut self, now_us: u64) -> Result<Wish, Failure> {
+        let wish = self.parts.hold.keys(Instant::now())?;
+        if wish == Wish::Homed {
+            self.print(
+                "whether its joints are homed is for somebody at the arm to say: h at the slave's terminal",
+            );
+        }
+        for (at, camera) in self.parts.cameras.0.iter_mut().enumerate() {
+            if let Some(observation) = camera.observation() {
+                self.parts.station.observe(at, &observation);
+            }
+        }
+        let buttons = self.parts.hold.buttons(now_us);
+        let turn = self.parts.station.step(&self.parts.slave, buttons, &self.parts.clock);
+        self.tell(&turn)?;
+        if now_us.saturating_sub(self.chores_us) >= CHORES_US {
+            self.chores_us = now_us;
+            if self.chores(now_us)? {
+                return Ok(Wish::Quit);
+            }
+        }
+        Ok(wish)
+    }
+
+    fn tell(&mut self, turn: &OperatorTurn) -> Result<(), Failure> {
+        if let Some(step) = &turn.step {
+            self.talk.hand(step);
+            self.write(|record| record.step(step));
+        }
+        if let Some(state) = &turn.arm {
+            self.slave_heard_us = Some(state.received_us);
+            self.arm = Some(state.what);
+            self.parts.hold.hear(&state.what, state.received_us);
+            for line in self.talk.arm(&state.what, state.received_us) {
+                self.print(&line);
+            }
+            self.write(|record| record.arm(state));
+        }
+        if let Some(error) = turn.unsent {
+            let cause = anyhow::Error::new(error).context("the hand's motion cannot be told");
+            return Err(Failure::new(Exit::Failed, cause));
+        }
+        Ok(())
+    }
+
+    /// What can wait a little; whether the run is to end.
+    fn chores(&mut self, now_us: u64) -> Result<bool, Failure> {
+        let events = self.parts.link.iter().flat_map(Link::events).map(|event| event.to_string());
+        let mut lines: Vec<String> = events.collect();
+        lines.extend(self.parts.cameras.notices());
+        lines.extend(self.pictures.take(&self.parts.slave, now_us));
+        if let Some(message) = self.parts.slave.configuration() {
+            match SlaveAnnouncement::decode(&message) {
+                Ok(slave) => {
+                    lines.push(format!("the slave's arm is at {}, {} cameras", slave.port, slave.cameras));
+                    self.parts.hold.announced(&slave)?;
+                }
+                Err(error) => return Err(Failure::new(Exit::BadArguments, error)),
+            }
+        }
+        let heard = self.parts.cameras.0.iter().map(|camera| (camera.name.as_str(), camera.heard_us));
+        let links: Vec<_> = heard.chain([("slave", self.slave_heard_us)]).collect();
+        lines.extend(self.talk.live(&links, self.pictures.ages(now_us), now_us));
+        lines.iter().for_each(|line| self.print(line));
+        if self.parts.slave.is_over() {
+            self.parts.slave.end()?;
+            return Err(Failure::new(
+                Exit::Failed,
+                anyhow::anyhow!("the slave of this process has ended by itself"),
+            ));
+        }
+        let over = self.parts.cameras.over()?;
+        if let Some(line) = &over {
+            self.print(line);
+        }
+        Ok(over.is_some())
+    }
+
+    /// Whether all is well at the end of a run that nobody watched.
+    fn judge(&self) -> Result<(), Failure> {
+        if self.parts.hold.is_keyboard() {
+            return Ok(());
+        }
+        if !self.parts.slave.is_connected() || self.arm.is_none() {
+            let cause = anyhow::anyhow!("the slave is not there at the end of the run");
+            return Err(
+                Failure::new(Exit::DeviceLost, cause).help("look at its own messages, and at its cable")
+            );
+        }
+        match &self.arm {
+            Some(arm) if matches!(arm.state, ArmState::Stopped | ArmState::Fault) => {
+                let words = arm_words::standing(arm);
+                Err(Failure::new(
+                    Exit::Safety,
+                    anyhow::anyhow!("the arm stands at the end of the run: {words}"),
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The button is let go, and the slave hears of it.
+    fn let_go(&mut self) {
+        let resets = self.parts.hold.buttons(self.parts.clock.now_us()).resets;
+        let released = Buttons { pressed: false, stop: false, resets };
+        for _ in 0..RELEASES {
+            // what cannot be sent any more is not pressed either
+            let _ = self.parts.station.step(&self.parts.slave, released, &self.parts.clock);
+            std::thread::sleep(RELEASE_EVERY);
+        }
+    }
+
+    fn finish_record(&mut self) -> Result<(), OutputError> {
+        self.pictures.end(self.parts.clock.now_us())?;
+        match &self.parts.record {
+            Some(record) => record.end(self.parts.station.delays()),
+            None => Ok(()),
+        }
+    }
+
+    fn sleep(&mut self) {
+        let mut at_most = Duration::from_micros(self.parts.station.sleep_us(self.parts.clock.now_us()));
+        if self.parts.hold.is_keyboard() {
+            at_most = at_most.min(KEYS);
+        }
+        self.watch.wait(at_most);
+    }
+
+    fn write(&mut self, write: impl FnOnce(&mut Record) -> Result<(), OutputError>) {
+        let Some(record) = &mut self.parts.record else { return };
+        if let Err(error) = write(record) {
+            // an arm that moves unrecorded is better than one that stops by surprise
+            self.parts.record = None;
+            self.print(&format!("{:#}; the run goes on without", anyhow::Error::new(error)));
+        }
+    }
+
+    /// A line for the operator; in raw mode a terminal does not go back to its margin by itself.
+    pub(super) fn print(&self, line: &str) {
+        if self.parts.hold.is_keyboard() {
+            let text = line.replace('\n', "\r\n");
+            note(format_args!("{text}\r"));
+        } else {
+            note(line);
+        }
+    }
+
+    /// Gives the terminal and the devices back; what there is to tell.
+    pub(super) fn end(self) -> Vec<String> {
+        let Parts { station, cameras, slave, link, .. } = &self.parts;
+        report::lines(station, cameras, slave, link.as_ref(), &self.pictures, self.memory)
+    }
+}
