@@ -20,6 +20,11 @@ source = \"sim:still\"
 view = \"right\"
 [slave]
 port = \"sim:\"
+[[slave.camera]]
+source = \"sim:arm\"
+[[slave.camera]]
+source = \"sim:arm\"
+view = \"right\"
 ";
 
 /// A busy computer's cycles come late; what is tried here is not how late.
@@ -50,6 +55,12 @@ fn cameras_hand_and_arm_in_one_process() {
     assert!(states.iter().filter(|state| *state == "both").count() * 2 > states.len(), "{states:?}");
     let arm = column(&csv(&out.join("arm_state.csv")), "state");
     assert!(arm.contains(&"engaged".to_owned()), "{arm:?}");
+    assert!(csv(&out.join("arm.csv")).len() > 100);
+    for (eye, row) in ["left", "right"].into_iter().zip(&csv(&out.join("pictures.csv"))[1..]) {
+        assert_eq!(row[0], eye);
+        let jpeg = fs::read(out.join(format!("{eye}.jpg"))).unwrap();
+        assert!(jpeg.starts_with(&[0xFF, 0xD8]) && jpeg.ends_with(&[0xFF, 0xD9]), "{eye} is no JPEG");
+    }
     let delays = csv(&out.join("delays.csv"));
     let counts = column(&delays, "count");
     assert_eq!(counts.len(), 15);

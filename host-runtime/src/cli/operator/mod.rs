@@ -23,6 +23,7 @@ use super::memory::resident_kb;
 use super::{make_dir, note, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Doorbell, Link};
+use crate::output::ArmCsv;
 use crate::robot::clock::Clock;
 use crate::settings::station::{OperatorSettings, SlavePlace, StationSettings};
 use crate::station::Operator;
@@ -50,7 +51,7 @@ On the terminal: r resets (after the start, a stop or a fault), the space bar mo
 held, any other key stops it at once, q ends the program.
 
 With --out, DIR gets pose.csv and filtered.csv (the hand), arm_state.csv (what the slave says),
-delays.csv, and the newest pictures of the slave's cameras, left.jpg and right.jpg, with pictures.csv,
+delays.csv, arm.csv where the arm is here, and the newest pictures of the slave's cameras, left.jpg and right.jpg, with pictures.csv,
 which says how old they are and whether they are stale. docs/stations.md lists the keys of tetrad.toml.";
 
 /// Who holds the button.
@@ -119,7 +120,10 @@ pub(super) fn run(args: &OperatorArgs) -> Result<(), Failure> {
     let station = Operator::new(&config(operator)?, session).or_exit(Exit::BadArguments)?;
     let cameras = Cameras::start(&operator.cameras, link.as_ref(), session, &clock, &bell)?;
     let slave = match &operator.slave {
-        SlavePlace::Here => SlaveLine::here(&settings.slave, session, &clock, &bell)?,
+        SlavePlace::Here => {
+            let arm = args.out.as_deref().map(ArmCsv::create).transpose().or_exit(Exit::Failed)?;
+            SlaveLine::here(&settings.slave, session, &clock, &bell, arm)?
+        }
         SlavePlace::Station(name) => SlaveLine::peer(name, link.as_ref())?,
     };
     let hold = match args.hold_to_run {

@@ -2,13 +2,11 @@
 
 use crate::link::{Carrier, Picture, Received};
 use crate::output::{CsvFile, OutputError};
+use crate::station::{is_stale, picture_age_us};
 use std::path::{Path, PathBuf};
 
 /// The slave's cameras: the first is the left eye.
 const EYES: [&str; 2] = ["left", "right"];
-
-/// A picture that came so long ago is stale, microseconds: several times the slowest rate that is of use.
-const STALE_US: u64 = 500_000;
 
 /// Pictures are written at most so often, microseconds.
 const WRITE_US: u64 = 1_000_000;
@@ -46,11 +44,13 @@ impl Pictures {
                 eye.count += 1;
                 eye.is_written = false;
             }
-            let age_us = eye.newest.as_ref().map(|picture| picture.age_us(now_us));
-            let stale = age_us.is_some_and(|age_us| age_us > STALE_US);
+            let age_us = eye.newest.as_ref().map(|picture| picture_age_us(picture, now_us));
+            let stale = eye.newest.as_ref().is_some_and(|picture| is_stale(picture, now_us));
             if stale != std::mem::replace(&mut eye.stale, stale) {
                 lines.push(match age_us.filter(|_| stale) {
-                    Some(age_us) => format!("the {name} picture is stale: it came {} ms ago", age_us / 1_000),
+                    Some(age_us) => {
+                        format!("the {name} picture is stale: it is of {} ms ago", age_us / 1_000)
+                    }
                     None => format!("the {name} picture is fresh again"),
                 });
             }
@@ -70,10 +70,8 @@ impl Pictures {
     pub(super) fn ages(&self, now_us: u64) -> Option<String> {
         let age = |(eye, name): (&Eye, &str)| {
             let picture = eye.newest.as_ref()?;
-            // where the other clock is not known, when it came
-            let taken_us = picture.captured_us.unwrap_or(picture.received_us);
             let stale = if eye.stale { " STALE" } else { "" };
-            Some(format!("{name} {} ms{stale}", now_us.saturating_sub(taken_us) / 1_000))
+            Some(format!("{name} {} ms{stale}", picture_age_us(picture, now_us) / 1_000))
         };
         let ages: Vec<String> = self.eyes.iter().zip(EYES).filter_map(age).collect();
         (!ages.is_empty()).then(|| format!("pictures {}", ages.join(", ")))
@@ -90,11 +88,11 @@ impl Pictures {
         let mut csv = CsvFile::create(dir, "pictures.csv", "eye,sequence,width,height,age_ms,stale")?;
         for (eye, name) in self.eyes.iter_mut().zip(EYES) {
             let Some(picture) = &eye.newest else { continue };
-            let age_us = picture.age_us(now_us);
+            let (age_us, stale) = (picture_age_us(picture, now_us), is_stale(picture, now_us));
             let Picture { sequence, width, height, .. } = picture.what;
             csv.row(|row| {
                 row.field(name).field(sequence).field(width).field(height);
-                row.field(age_us / 1_000).field(age_us > STALE_US);
+                row.field(age_us / 1_000).field(stale);
             })?;
             eye.write(dir, name)?;
         }
@@ -130,7 +128,7 @@ mod tests {
             camera: 1,
             session: 1,
             sequence,
-            capture_us: 5,
+            capture_us: u64::from(sequence) * 690_000 - 689_995,
             width: 4,
             height: 3,
             jpeg: jpeg.to_vec(),
@@ -140,7 +138,7 @@ mod tests {
         assert_eq!(pictures.take(&operator, 10), Vec::<String>::new());
         assert_eq!(pictures.ages(3_005).unwrap(), "pictures right 3 ms");
         let told = pictures.take(&operator, 600_010);
-        assert_eq!(told, ["the right picture is stale: it came 600 ms ago"]);
+        assert_eq!(told, ["the right picture is stale: it is of 600 ms ago"]);
         assert!(pictures.ages(600_010).unwrap().ends_with("STALE"));
         clock.set(700_000);
         slave.send_picture(picture(2, b"two"));
@@ -150,6 +148,6 @@ mod tests {
         pictures.end(2_000_000).unwrap();
         assert_eq!(std::fs::read(&file).unwrap(), b"two");
         let csv = std::fs::read_to_string(dir.path().join("pictures.csv")).unwrap();
-        assert_eq!(csv.lines().nth(1), Some("right,2,4,3,1300,true"));
+        assert_eq!(csv.lines().nth(1), Some("right,2,4,3,1309,true"));
     }
 }

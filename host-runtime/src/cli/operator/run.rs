@@ -164,6 +164,7 @@ impl Run {
         let events = self.parts.link.iter().flat_map(Link::events).map(|event| event.to_string());
         let mut lines: Vec<String> = events.collect();
         lines.extend(self.parts.cameras.notices());
+        lines.extend(self.parts.slave.notices());
         lines.extend(self.pictures.take(&self.parts.slave, now_us));
         if let Some(message) = self.parts.slave.configuration() {
             match SlaveAnnouncement::decode(&message) {

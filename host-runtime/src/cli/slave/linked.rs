@@ -101,7 +101,7 @@ pub(super) fn run(
     }
 }
 
-fn no_scene(error: SceneError) -> Failure {
+pub(in crate::cli) fn no_scene(error: SceneError) -> Failure {
     let exit = match &error {
         SceneError::Source(_, error) => error.exit(),
         SceneError::Arm(_) => Exit::BadArguments,

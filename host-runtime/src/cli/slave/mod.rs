@@ -10,7 +10,7 @@
 //!
 //! Here flags become settings and a run its results; `run` is the loop.
 
-mod linked;
+pub(super) mod linked;
 mod packets;
 mod run;
 mod talk;
