@@ -1,6 +1,7 @@
 //! How closely an arm follows a hand whose true way is known.
 
 use nalgebra::{Matrix3, Vector3};
+use std::collections::VecDeque;
 
 /// Delays that are tried, seconds: up to this one ...
 const LONGEST_DELAY_S: f64 = 0.6;
@@ -15,21 +16,25 @@ pub type Truth = (Matrix3<f64>, Vector3<f64>);
 struct Sample {
     t_s: f64,
     tool: Truth,
-    latch: usize,
+    latch: Latch,
 }
 
 /// Where hand and tool were when the hand was latched.
 #[derive(Clone, Copy, Debug)]
 struct Latch {
     hand_t_s: f64,
+    /// `None` where it is to be asked for by its time.
+    hand: Option<Truth>,
     tool: Truth,
 }
 
 /// What the tool did while the hand was followed.
 #[derive(Clone, Debug, Default)]
 pub struct Following {
-    latches: Vec<Latch>,
-    samples: Vec<Sample>,
+    latch: Option<Latch>,
+    samples: VecDeque<Sample>,
+    /// Samples that are kept; `None` for all.
+    kept: Option<usize>,
 }
 
 /// How closely it was followed.
@@ -49,16 +54,43 @@ pub struct Closeness {
 }
 
 impl Following {
+    /// One that keeps so many samples, the newest.
+    #[must_use]
+    pub const fn of_the_last(samples: usize) -> Self {
+        Self { latch: None, samples: VecDeque::new(), kept: Some(samples) }
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.latch = None;
+        self.samples.clear();
+    }
+
+    /// Only what can be compared with a hand that is known from a time on.
+    #[must_use]
+    pub fn since(&self, known_s: f64) -> Self {
+        let asked_s = |sample: &Sample| (sample.t_s - LONGEST_DELAY_S).max(sample.latch.hand_t_s);
+        let samples = self.samples.iter().filter(|sample| asked_s(sample) >= known_s);
+        Self { latch: self.latch, samples: samples.copied().collect(), kept: self.kept }
+    }
+
     /// From here on the tool follows the hand as it was at `hand_t_s`.
-    pub fn latch(&mut self, hand_t_s: f64, tool: Truth) {
-        self.latches.push(Latch { hand_t_s, tool });
+    pub const fn latch(&mut self, hand_t_s: f64, tool: Truth) {
+        self.latch = Some(Latch { hand_t_s, hand: None, tool });
+    }
+
+    /// The same where the hand's way is forgotten in time: then it was here.
+    pub const fn latch_hand(&mut self, hand_t_s: f64, hand: Truth, tool: Truth) {
+        self.latch = Some(Latch { hand_t_s, hand: Some(hand), tool });
     }
 
     /// The tool is engaged, and here.
     pub fn sample(&mut self, t_s: f64, tool: Truth) {
-        if let Some(latch) = self.latches.len().checked_sub(1) {
-            self.samples.push(Sample { t_s, tool, latch });
+        let Some(latch) = self.latch else { return };
+        if self.kept.is_some_and(|kept| self.samples.len() >= kept) {
+            self.samples.pop_front();
         }
+        self.samples.push_back(Sample { t_s, tool, latch });
     }
 
     /// How closely the hand was followed, one metre for one and turn for turn; `hand` is where it truly
@@ -72,8 +104,7 @@ impl Following {
             return None;
         }
         let off = |delay_s: f64| -> Vec<(f64, f64)> {
-            let off = |sample: &Sample| self.off(sample, delay_s, robot_from_hand, &hand);
-            self.samples.iter().filter_map(off).collect()
+            self.samples.iter().map(|sample| sample.off(delay_s, robot_from_hand, &hand)).collect()
         };
         let rms = |values: &mut dyn Iterator<Item = f64>| {
             let (mut sum, mut count) = (0.0, 0u32);
@@ -97,24 +128,20 @@ impl Following {
             behind_rms_m: place(&off(0.0)),
         })
     }
+}
 
-    /// Metres and radians from a sample to where the hand was `delay_s` before.
-    fn off(
-        &self,
-        sample: &Sample,
-        delay_s: f64,
-        robot_from_hand: &Matrix3<f64>,
-        hand: &impl Fn(f64) -> Truth,
-    ) -> Option<(f64, f64)> {
-        let latch = self.latches.get(sample.latch)?;
-        let (turn_then, place_then) = hand(latch.hand_t_s);
+impl Sample {
+    /// Metres and radians from here to where the hand was `delay_s` before.
+    fn off(&self, delay_s: f64, robot_from_hand: &Matrix3<f64>, hand: &impl Fn(f64) -> Truth) -> (f64, f64) {
+        let latch = &self.latch;
+        let (turn_then, place_then) = latch.hand.unwrap_or_else(|| hand(latch.hand_t_s));
         // before the latch the hand moved nothing
-        let (turn_now, place_now) = hand((sample.t_s - delay_s).max(latch.hand_t_s));
+        let (turn_now, place_now) = hand((self.t_s - delay_s).max(latch.hand_t_s));
         let place = latch.tool.1 + robot_from_hand * (place_now - place_then);
         let turn = robot_from_hand * turn_now * turn_then.transpose() * robot_from_hand.transpose();
         let rotation = turn * latch.tool.0;
-        let apart = (rotation.transpose() * sample.tool.0 - Matrix3::identity()).norm() / 8.0_f64.sqrt();
-        Some(((place - sample.tool.1).norm(), 2.0 * apart.min(1.0).asin()))
+        let apart = (rotation.transpose() * self.tool.0 - Matrix3::identity()).norm() / 8.0_f64.sqrt();
+        ((place - self.tool.1).norm(), 2.0 * apart.min(1.0).asin())
     }
 }
 

@@ -18,7 +18,8 @@
 use super::resetting::{Reset, Resetting};
 use super::settling::Settling;
 use super::slave::{Cycle, EnableThenReset, SlaveStation};
-use crate::link::Carrier;
+use super::trail::Trail;
+use crate::link::{Carrier, Received};
 use crate::robot::Robot;
 use crate::robot::clock::Clock;
 use tetrad_core::arm::port::PortError;
@@ -46,6 +47,7 @@ pub struct LinkedSlave<C> {
     fresh: Option<Fresh>,
     command: Option<CommandEcho>,
     settling: Settling,
+    trail: Trail,
 }
 
 /// A motion that has come and was not followed yet.
@@ -85,6 +87,7 @@ impl<C: Carrier> LinkedSlave<C> {
             fresh: None,
             command: None,
             settling: Settling::default(),
+            trail: Trail::new(&config.teleop),
         })
     }
 
@@ -108,6 +111,12 @@ impl<C: Carrier> LinkedSlave<C> {
     /// Why the operator's last reset was not done, once.
     pub const fn take_refusal(&mut self) -> Option<EnableThenReset> {
         self.refused.take()
+    }
+
+    /// How closely the arm has followed the hand lately.
+    #[must_use]
+    pub const fn trail(&self) -> &Trail {
+        &self.trail
     }
 
     /// The newest motion that moved the arm, and when it passed each stage.
@@ -144,6 +153,7 @@ impl<C: Carrier> LinkedSlave<C> {
         self.go_on_resetting(now_us);
         let cycle = self.station.cycle_by(now_us, || clock.now_us());
         let followed = self.follow(&cycle, now_us);
+        self.trail.cycle(&cycle, now_us);
         if followed || self.told_us.is_none_or(|told_us| now_us.saturating_sub(told_us) >= TELL_US) {
             self.tell(&cycle, now_us);
         }
@@ -152,17 +162,19 @@ impl<C: Carrier> LinkedSlave<C> {
 
     fn hear(&mut self, clock: &Clock) {
         if let Some(motion) = self.carrier.motion() {
-            self.take_motion(&motion.what, motion.received_us);
+            self.take_motion(&motion);
         }
         if let Some(buttons) = self.carrier.buttons() {
             self.take_buttons(buttons.what, buttons.received_us, clock.now_us());
         }
     }
 
-    fn take_motion(&mut self, motion: &MotionPacket, received_us: u64) {
+    fn take_motion(&mut self, motion: &Received<MotionPacket>) {
+        let Received { what, received_us, captured_us } = *motion;
         // what is refused is counted, and told with the state that it leads to
-        if self.station.take(motion, received_us).is_ok() {
-            let MotionPacket { session, sequence, .. } = *motion;
+        if self.station.take(&what, received_us).is_ok() {
+            self.trail.motion(&what, captured_us);
+            let MotionPacket { session, sequence, .. } = what;
             self.fresh = Some(Fresh { session, sequence, received_us });
         }
     }

@@ -33,6 +33,7 @@ mod scene_camera;
 mod serve;
 mod settling;
 mod slave;
+mod trail;
 mod unattended;
 
 pub use announcement::{SlaveAnnouncement, UnreadableAnnouncement};
@@ -49,4 +50,5 @@ pub use resetting::{Reset, Resetting};
 pub use scene_camera::{PictureLine, SceneCameras, SceneError};
 pub use serve::{Served, serve};
 pub use slave::{Cycle, EnableThenReset, SlaveStation};
+pub use trail::Trail;
 pub use unattended::Unattended;

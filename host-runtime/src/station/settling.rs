@@ -12,6 +12,10 @@ use tetrad_core::wire::Settled;
 /// at the end of a stretched arm.
 const REACHED_RAD: f64 = 0.1 / 180.0 * std::f64::consts::PI;
 
+/// A goal that was not reached within so long will not be, microseconds: the arm is at most a third of a
+/// second behind. Where a hand goes round and round, the arm passes it again a round later.
+const PASSED_US: u64 = 1_000_000;
+
 /// Goals that are remembered: two seconds of a camera with 120 frames a second.
 const GOALS: usize = 256;
 
@@ -53,6 +57,9 @@ impl Settling {
 
     /// The joints were here at `at_us`.
     pub(super) fn measured(&mut self, joints: &Joints<f64>, at_us: u64) {
+        while self.goals.front().is_some_and(|goal| at_us.saturating_sub(goal.received_us) > PASSED_US) {
+            self.goals.pop_front();
+        }
         let from = self.reading.replace(*joints).unwrap_or(*joints);
         let reached = self.goals.iter().rposition(|goal| passes(&from, joints, &goal.joints));
         let Some(reached) = reached else { return };

@@ -156,6 +156,7 @@ impl Work {
             }
         });
         let mut lines = slave.station().robot().report();
+        lines.extend(slave.trail().line());
         lines.push(format!("cycles of {cycle_us} us, {}", served.lateness));
         lines.extend(scene.end());
         match served.unstopped {

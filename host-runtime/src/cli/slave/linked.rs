@@ -81,6 +81,9 @@ pub(super) fn run(
     let Overseer { worst, link, scene, .. } = watch;
     let pictures = scene.end();
     report(slave.station(), (0, 0));
+    if let Some(line) = slave.trail().line() {
+        say(format_args!("arm             {line}"));
+    }
     let stats = link.peer(operator).map(|peer| peer.stats());
     drop(link);
     say(format_args!("cycles          of {cycle_us} us, {}", served.lateness));
