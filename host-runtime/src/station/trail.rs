@@ -73,10 +73,9 @@ impl Trail {
             return;
         };
         let tool = (measured.rotation, measured.translation);
-        if decision.notes.contains(Note::Latched) || decision.notes.contains(Note::HandJumped) {
-            if let Some((newest_s, hand)) = self.hand.back() {
-                self.following.latch_hand(*newest_s, *hand, tool);
-            }
+        let latched = decision.notes.contains(Note::Latched) || decision.notes.contains(Note::HandJumped);
+        if let Some((newest_s, hand)) = self.hand.back().filter(|_| latched) {
+            self.following.latch_hand(*newest_s, *hand, tool);
         }
         if self.sampled_us.is_none_or(|before| now_us.saturating_sub(before) >= SAMPLE_US) {
             self.sampled_us = Some(now_us);
