@@ -15,7 +15,7 @@ const RESET_US: u64 = 2_000_000;
 /// A slave that has not been heard for so long is let go of, microseconds.
 const SILENT_US: u64 = 1_000_000;
 
-/// See the [module's text](self).
+/// Buttons that follow from what the arm says of itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unattended {
     buttons: Buttons,
@@ -63,5 +63,73 @@ impl Unattended {
         if self.released_us.is_none_or(|at_us| now_us.saturating_sub(at_us) >= RELEASED_US) {
             self.buttons.pressed = true;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tetrad_core::wire::{ArmVerdict, ControllerState, Transform};
+
+    fn state(state: ArmState, reason: ArmReason) -> ArmStatePacket {
+        ArmStatePacket {
+            session: 1,
+            sequence: 1,
+            time_us: 1,
+            state,
+            reason,
+            notes: 0,
+            verdict: ArmVerdict::Pass,
+            limits: 0,
+            speed_share: 1.0,
+            controller: ControllerState::Ready,
+            measured: None,
+            set_point: [0.0; 6],
+            tool: Transform::IDENTITY,
+            command: None,
+            settled: None,
+            buttons_age_us: None,
+        }
+    }
+
+    /// The buttons while the arm says the same for so long, told each 10 ms.
+    fn hold(unattended: &mut Unattended, now_us: &mut u64, says: (ArmState, ArmReason), us: u64) -> Buttons {
+        let end_us = *now_us + us;
+        while *now_us < end_us {
+            *now_us += 10_000;
+            unattended.hear(&state(says.0, says.1), *now_us);
+        }
+        unattended.buttons(*now_us)
+    }
+
+    #[test]
+    fn it_resets_presses_lets_go_and_presses_again() {
+        let (mut it, mut now_us) = (Unattended::default(), 0);
+        let started = (ArmState::Stopped, ArmReason::Started);
+        assert_eq!(hold(&mut it, &mut now_us, started, 100_000), Buttons::default(), "released first");
+        assert_eq!(hold(&mut it, &mut now_us, started, 500_000).resets, 1, "once");
+        assert_eq!(
+            hold(&mut it, &mut now_us, started, 2_000_000).resets,
+            2,
+            "and again where nothing came of it"
+        );
+        let press = (ArmState::Armed, ArmReason::Press);
+        assert!(hold(&mut it, &mut now_us, press, 10_000).pressed);
+        assert!(hold(&mut it, &mut now_us, (ArmState::Hold, ArmReason::HandNotSeen), 500_000).pressed);
+        assert!(!hold(&mut it, &mut now_us, (ArmState::Armed, ArmReason::LetGo), 100_000).pressed);
+        assert!(!hold(&mut it, &mut now_us, press, 50_000).pressed, "the release has to be heard");
+        assert!(hold(&mut it, &mut now_us, press, 200_000).pressed);
+    }
+
+    #[test]
+    fn faults_and_stops_are_for_people_and_silence_lets_go() {
+        for says in [(ArmState::Fault, ArmReason::Arm), (ArmState::Stopped, ArmReason::Asked)] {
+            let (mut it, mut now_us) = (Unattended::default(), 0);
+            assert_eq!(hold(&mut it, &mut now_us, says, 5_000_000), Buttons::default(), "{says:?}");
+        }
+        let (mut it, mut now_us) = (Unattended::default(), 0);
+        assert!(hold(&mut it, &mut now_us, (ArmState::Engaged, ArmReason::None), 100_000).pressed);
+        assert!(it.buttons(now_us + SILENT_US).pressed);
+        assert!(!it.buttons(now_us + SILENT_US + 1).pressed);
     }
 }
