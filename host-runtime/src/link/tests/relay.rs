@@ -74,8 +74,9 @@ fn what_was_recorded_and_is_played_again_moves_nothing() {
     {
         let operator = dialler(&keys, "operator", "slave", relay.address);
         let to_slave = connected(&operator);
+        let mut newest = 0;
         for _ in 0..20 {
-            pass_motion(&to_slave, operator.session(), &to_operator, &mut next);
+            newest = pass_motion(&to_slave, operator.session(), &to_operator, &mut next);
         }
         // within the connection, from the same address
         let recording = relay.recorded.lock().unwrap().clone();
@@ -83,9 +84,8 @@ fn what_was_recorded_and_is_played_again_moves_nothing() {
         for datagram in recording.iter().chain(&recording) {
             relay.socket.send_to(datagram, relay.to).unwrap();
         }
-        let before = next;
         let seen = pass_motion(&to_slave, operator.session(), &to_operator, &mut next);
-        assert!(seen > before, "played again: {seen}");
+        assert!(seen > newest, "played again: {seen}");
         let counts = to_operator.stats().received;
         // QUIC drops what it has seen before the inbox sees it
         assert_eq!(counts.motion.repeated, 0, "{counts:?}");
@@ -103,8 +103,9 @@ fn what_was_recorded_and_is_played_again_moves_nothing() {
     let before = next;
     assert!(pass_motion(&to_slave, operator.session(), &to_operator, &mut next) > before);
     let counts = to_operator.stats().received;
-    assert_eq!((counts.motion.repeated, counts.other_session), (0, 0), "{counts:?}");
-    assert!(counts.motion.taken <= u64::from(next), "{counts:?}");
+    assert_eq!(counts.motion.repeated, 0, "{counts:?}");
+    // the new operator's first may come before its greeting; all that came was sent once
+    assert!(counts.motion.taken + counts.other_session <= u64::from(next), "{counts:?}");
 }
 
 #[test]
