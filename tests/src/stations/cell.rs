@@ -107,10 +107,12 @@ impl Cell {
                  [[operator.camera]]\nsource = \"node:left\"\n[[operator.camera]]\nsource = \"node:right\"\n"
             )
         };
+        // a watchdog of the simulated controller that a busy computer does not set off: what a slave does
+        // that gets no processor for a tenth of a second is not what is looked at here
         let slave = format!(
             "[station]\nname = \"slave\"\nkeys = \"keys\"\nlisten = \"{slave}\"\n\
              [[peer]]\nname = \"operator\"\n\
-             [slave]\nport = \"sim:?cycle_ms=1\"\noperator = \"operator\"\n\
+             [slave]\nport = \"sim:?cycle_ms=1&watchdog_ms=2000\"\noperator = \"operator\"\n\
              [[slave.camera]]\nsource = \"sim:arm\"\n[[slave.camera]]\nsource = \"sim:arm\"\n\
              [governor]\ncycle_ms = 1\n"
         );

@@ -49,7 +49,7 @@ pub const RUNS: &[Run] = &[
     Run { name: "flood", shows: "garbage on the slave's port does not delay motion", run: flood },
     Run {
         name: "deaths",
-        shows: "operator and camera are killed and come back: the arm stops, then follows",
+        shows: "operator and camera are killed or silent and come back: the arm stops, then follows",
         run: deaths,
     },
 ];
@@ -251,7 +251,8 @@ fn flood(cell: &Cell, length: Duration) -> Result<String, String> {
     Ok(report)
 }
 
-/// The operator is killed in the middle of a movement, then a camera.
+/// The operator is killed in the middle of a movement, twice, then silent for a second, as behind a cable
+/// that is cut; then a camera is killed.
 fn deaths(cell: &Cell, _: Duration) -> Result<String, String> {
     let mut others = Others::start(cell)?;
     let mut report = String::new();
@@ -263,8 +264,12 @@ fn deaths(cell: &Cell, _: Duration) -> Result<String, String> {
         std::thread::sleep(Duration::from_secs(2));
         let _ = writeln!(report, "operator killed, for the {life}. time");
     }
-    let mut operator = operator(cell, Duration::from_secs(12))?;
+    let mut operator = operator(cell, Duration::from_secs(16))?;
     operator.until_said("engaged", FIND)?;
+    std::thread::sleep(Duration::from_secs(2));
+    operator.silence(Duration::from_secs(1))?;
+    let _ = writeln!(report, "operator silent for a second");
+    std::thread::sleep(Duration::from_secs(2));
     let Others { left, right, slave } = others;
     left.kill()?;
     std::thread::sleep(Duration::from_secs(3));
@@ -290,8 +295,8 @@ fn deaths(cell: &Cell, _: Duration) -> Result<String, String> {
          the tool was sent {:.2} m, at most {fastest:.3} m/s",
         way(&rows)
     );
-    if stops < 2 {
-        return Err(format!("the arm followed {stops} times and was left, not twice\n{report}"));
+    if stops < 3 {
+        return Err(format!("the arm followed {stops} times and was left, not three times\n{report}"));
     }
     if worst_ms > STALE_MS + LATE_MS {
         return Err(format!("the arm began its stop {worst_ms:.1} ms after the last command\n{report}"));

@@ -100,9 +100,23 @@ impl Station {
     /// # Errors
     /// What it printed, when it does not end.
     pub fn end(self) -> Result<Ended, String> {
-        let told = Command::new("kill").args(["-TERM", &self.child.id().to_string()]).status();
-        told.map_err(|error| format!("kill: {error}"))?;
+        self.signal("-TERM")?;
         self.wait(LEAVE)
+    }
+
+    /// Neither hears nor says anything for so long (SIGSTOP, SIGCONT), as when its cable is cut.
+    ///
+    /// # Errors
+    /// Why that was not possible.
+    pub fn silence(&self, length: Duration) -> Result<(), String> {
+        self.signal("-STOP")?;
+        std::thread::sleep(length);
+        self.signal("-CONT")
+    }
+
+    fn signal(&self, signal: &str) -> Result<(), String> {
+        let told = Command::new("kill").args([signal, &self.child.id().to_string()]).status();
+        told.map(drop).map_err(|error| format!("kill: {error}"))
     }
 
     /// Kills it (SIGKILL), as a computer that loses its power.
