@@ -52,6 +52,9 @@ pub mod observation;
 
 pub mod config;
 
+// How far something goes while nobody sees it: what the balls of one camera and the hand share.
+mod unseen;
+
 pub mod vision;
 
 pub mod hand;

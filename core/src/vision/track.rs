@@ -167,15 +167,24 @@ impl BallTrack {
         if let (Some(before), Some(us), Some(predicted)) = (self.last_centre(), absent, predicted) {
             let s = us as f32 * 1e-6;
             self.forecast.learn(&Outcome { measured, before, predicted, carried, variance, s });
+        } else {
+            self.forecast.interrupted();
         }
     }
 
-    /// How well the last place is known: a standard deviation, pixels.
-    pub(super) const fn known(&self) -> f32 {
-        self.known
+    /// The standard deviation of its place where it is expected and nobody sees it, pixels.
+    pub(super) fn predicted_to(&self, absent_us: u64) -> f32 {
+        let strayed = self.forecast.sigma(self.diameter(), absent_us);
+        libm::sqrtf(self.known * self.known + strayed * strayed)
     }
 
-    /// Notes how well the last place is known.
+    /// The same where the others have carried it.
+    pub(super) fn carried_to(&self, absent_us: u64) -> f32 {
+        let strayed = self.forecast.carried_sigma(self.diameter(), absent_us);
+        libm::sqrtf(self.known * self.known + strayed * strayed)
+    }
+
+    /// Notes how well the last place is known: a standard deviation, pixels.
     pub(super) const fn known_to(&mut self, sigma: f32) {
         self.known = sigma;
     }

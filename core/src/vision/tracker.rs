@@ -144,6 +144,7 @@ impl CameraTracker {
         self.drop_lone_part(&mut finds);
         self.place_hidden(frame, &mut finds, &mut report.tested);
         self.refine(frame, t_us, &mut finds, &mut report.tested);
+        self.drop_unproven(&mut finds);
         self.validate(&finds, &predicted, &mut report);
         self.follow_colours(frame, &finds, &mut report);
         self.remember(t_us, &finds, &predicted, &mut report);

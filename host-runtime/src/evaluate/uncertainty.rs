@@ -11,7 +11,7 @@ use crate::settings::Mode;
 use nalgebra::Vector6;
 use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::{Observation, ObservationState};
-use tetrad_fixtures::Light;
+use tetrad_fixtures::{Light, Scene};
 
 /// Scenes in which every state occurs: whole and covered balls, one camera, a hand that is away.
 const SCENES: [(&str, usize); 12] = [
@@ -28,6 +28,16 @@ const SCENES: [(&str, usize); 12] = [
     ("crossing", 420),
     ("edge", 210),
 ];
+
+/// Movements that are covered again and again. All frames of one cover share one error, so that it takes
+/// many covers, at different places of different movements, to judge a state nobody sees.
+const COVERED: [&str; 5] =
+    ["demo", "cover-all", "circular-0.25-30fps", "circular-0.5-30fps", "linear-0.5-30fps"];
+
+/// Seconds from one cover to the next, and frames of all of them.
+const AGAIN_S: f64 = 2.7;
+const COVERS: usize = 4;
+const COVERED_FRAMES: usize = 351;
 
 /// States with a place.
 const OBSERVED: [ObservationState; 3] =
@@ -50,7 +60,25 @@ pub(super) fn cases(plan: Plan) -> Vec<Case> {
     side.light = Light::side(0.45);
     side.frames = plan.pick(150, 50);
     cases.push(Case::new(format!("{LABEL}circular, side"), side, plan.seed, &[paper, refined, one_camera]));
+    for name in COVERED {
+        let label = format!("{LABEL}{name}, covered again and again");
+        let mut scene = covered(name);
+        scene.frames = plan.pick(COVERED_FRAMES, COVERED_FRAMES / COVERS);
+        cases.push(Case::new(label, scene, plan.seed, &[refined, one_camera]));
+    }
     cases
+}
+
+/// A hand over which the palm of `cover-all` comes again and again.
+fn covered(name: &str) -> Scene {
+    let mut scene = named(name);
+    scene.occluders = named("cover-all").occluders;
+    for palm in &mut scene.occluders {
+        let once = palm.reach.clone();
+        let at = |cover: usize| once.iter().map(move |(t_s, reach)| (t_s + AGAIN_S * cover as f64, *reach));
+        palm.reach = (0..COVERS).flat_map(at).collect();
+    }
+    scene
 }
 
 /// Whether something happens at a certain time of the scene.
@@ -174,8 +202,8 @@ pub(super) fn outcome(_: Plan, traced: &[Traced]) -> Outcome {
         id: "uncertainty",
         title: "Errors against the reported uncertainty".to_owned(),
         text: "Every observation and every pose says how well it is known. Here the errors are divided by what was \
-               reported (e\u{1d40} C\u{207b}\u{00b9} e over its dimensions, 2 or 6), over thirteen scenes at rest, moving, covered and \
-               crossing, with two cameras and with one. A root mean square of 1 is honest, below 1 too modest, \
+               reported (e\u{1d40} C\u{207b}\u{00b9} e over its dimensions, 2 or 6), over eighteen scenes at rest, moving, covered \
+               (five of them again and again) and crossing, with two cameras and with one. A root mean square of 1 is honest, below 1 too modest, \
                above 1 too bold. Samples without a ratio have no covariance or none that can be inverted. Paper \
                mode says nothing of its pose."
             .to_owned(),

@@ -2,15 +2,14 @@
 //!
 //! Constant velocity: the red ball's place and the hand's orientation are carried on. How wrong that
 //! will be is told by how wrong it was: the excess of each prediction's error over the centres' noise
-//! gives the hand's acceleration, and that grows with the time as `a (t^2 / 2 + lag t)`, where the lag
-//! is that of the smoothed velocity. Once the hand is held where it was last predicted, its usual
-//! speed tells how far it may have gone since.
+//! gives the hand's acceleration, from which follows how far off it is later (`crate::unseen`).
 
 use super::solve::difference;
 use crate::config::PoseConfig;
 use crate::geometry::Pose;
 use crate::hand::orientation::nearest_rotation_step;
 use crate::hand::so3;
+use crate::unseen::{Moved, Unseen};
 use nalgebra::{Matrix3, Matrix6, Vector2, Vector3, Vector6};
 
 /// The share of the newest difference in the velocity.
@@ -20,11 +19,17 @@ const NEWEST: f32 = 0.6;
 /// `x(t+1) - x(t) - v(t)` for the smoothed velocity v, which is 2 + 2 b + 2 b^2 / (2 - b), b = NEWEST.
 const NOISE_OF_SURPRISE: f32 = 2.0 + 2.0 * NEWEST + 2.0 * NEWEST * NEWEST / (2.0 - NEWEST);
 
+/// That of the smoothed velocity times the time between two frames.
+const NOISE_OF_VELOCITY: f32 = 2.0 * NEWEST * NEWEST / (2.0 - NEWEST);
+
 /// By how much the smoothed velocity is late, in frames: half a frame for the difference itself.
 const LAG_FRAMES: f32 = 1.0 / NEWEST - 0.5;
 
 /// Frames over which accelerations and speeds are averaged.
 const MEMORY: f32 = 60.0;
+
+/// A frame that comes so many times later or sooner than the last one did is not regular.
+const IRREGULAR: f32 = 1.5;
 
 /// A hand's acceleration before it was seen to move, m/s^2 and rad/s^2.
 const FIRST_ACCELERATION: Vector2<f32> = Vector2::new(0.5, 1.0);
@@ -32,8 +37,8 @@ const FIRST_ACCELERATION: Vector2<f32> = Vector2::new(0.5, 1.0);
 /// Its speed, m/s and rad/s.
 const FIRST_SPEED: Vector2<f32> = Vector2::new(0.1, 0.3);
 
-/// The weight of both in frames.
-const FIRST_WEIGHT: f32 = 3.0;
+/// The weight of both, of one frame: what was seen tells soon what this hand does.
+const FIRST_WEIGHT: f32 = 1.0;
 
 /// A mean square, for translation and turn, that forgets, of values that are known differently well.
 #[derive(Clone, Copy, Debug)]
@@ -128,8 +133,10 @@ impl Course {
         if s > 0.0 {
             let measured = difference(pose, &self.pose) / s;
             let surprise = (measured - self.velocity) * s;
-            // after a gap, and before there is a velocity, a surprise says little
-            let regular = self.interval_s > 0.0 && s < 1.5 * self.interval_s;
+            // after a gap there is no velocity yet: the next surprise tells of the gap, not of an
+            // acceleration
+            let frames = s / self.interval_s;
+            let regular = frames < IRREGULAR && frames * IRREGULAR > 1.0;
             if regular {
                 let lateness = s * s * (0.5 + LAG_FRAMES);
                 let (of_surprise, weight) = excess(&surprise, noise, NOISE_OF_SURPRISE);
@@ -163,11 +170,33 @@ impl Course {
         let held_s = age_us.saturating_sub(config.predict_us) as f32 * 1e-6;
         let frames = if self.interval_s > 0.0 { s / self.interval_s } else { 0.0 };
         // the noise of x + k v: 1 + 2 b k + k^2 2 b^2 / (2 - b), of which the 1 is in the pose's own
-        let of_velocity = 2.0 * NEWEST * frames + frames * frames * 2.0 * NEWEST * NEWEST / (2.0 - NEWEST);
-        let travel = s * s / 2.0 + LAG_FRAMES * self.interval_s * s;
-        let grown = self.acceleration.get() * (travel * travel) + self.speed.get() * (held_s * held_s);
-        let diagonal = Vector6::new(grown.x, grown.x, grown.x, grown.y, grown.y, grown.y);
+        let of_velocity = 2.0 * NEWEST * frames + frames * frames * NOISE_OF_VELOCITY;
+        let unseen = Unseen { carried_s: s, held_s, lag_s: LAG_FRAMES * self.interval_s };
+        let (acceleration2, usual2) = (self.acceleration.get(), self.speed.get());
+        let strayed2 = |acceleration2: f32, usual2: f32, velocity: Vector3<f32>, noise: Matrix3<f32>| {
+            let last2 = self.last2(usual2, &velocity, &noise);
+            unseen.strayed2(&Moved { acceleration2, usual2, last2 })
+        };
+        let (v, n) = (&self.velocity, &self.noise);
+        let (of_t, of_w) = (v.fixed_rows::<3>(0).into(), v.fixed_rows::<3>(3).into());
+        let (noise_t, noise_w) = (n.fixed_view::<3, 3>(0, 0).into(), n.fixed_view::<3, 3>(3, 3).into());
+        let t = strayed2(acceleration2.x, usual2.x, of_t, noise_t);
+        let w = strayed2(acceleration2.y, usual2.y, of_w, noise_w);
+        let diagonal = Vector6::new(t, t, t, w, w, w);
         self.covariance + self.noise * of_velocity + Matrix6::from_diagonal(&diagonal)
+    }
+
+    /// The mean square along an axis of the last velocity, of translation or of turn, of a pose with this
+    /// noise: where it is mostly noise, as a lone camera's along its line of sight, little of it is
+    /// believed, and the rest may be as usual.
+    fn last2(&self, usual2: f32, velocity: &Vector3<f32>, noise: &Matrix3<f32>) -> f32 {
+        // in units of a frame
+        let per_s2 = self.interval_s * self.interval_s;
+        let least = Matrix3::from_diagonal_element(usual2 * per_s2 + LEAST_VARIANCE);
+        let Some(inverse) = (least + noise * NOISE_OF_VELOCITY).try_inverse() else { return usual2 };
+        let believed = inverse * (usual2 * per_s2);
+        let rest = 1.0 - believed.trace() / 3.0;
+        (believed * velocity).norm_squared() / 3.0 + usual2 * rest
     }
 
     /// Tells of the same movement in a new world, which stands so in the old one.

@@ -75,6 +75,25 @@ impl CameraTracker {
     }
 }
 
+impl CameraTracker {
+    /// A thing of a ball's colour that the search of the whole picture came upon, while hardly anything
+    /// else of a rigid frame is seen, is a ball only if it shows a ball's rim: with the hand covered,
+    /// everything in the room that has one of four colours is tried, and some of it is of the right size.
+    pub(super) fn drop_unproven(&self, finds: &mut Finds) {
+        let taught = self.tracks.iter().flatten().count();
+        if self.config.centre.mode == CentreMode::RowEdge || !self.config.rigid || taught < 2 {
+            return;
+        }
+        let seen = finds.iter().flatten().count();
+        for slot in finds {
+            let round = |find: &Find| find.rim.is_some_and(|rim| rim.visible >= CLEAR_RIM);
+            if seen <= VOICES && slot.as_ref().is_some_and(|find| find.mode == Mode::Global && !round(find)) {
+                *slot = None;
+            }
+        }
+    }
+}
+
 /// The places of the balls that are seen whole.
 fn whole_places(finds: &Finds) -> Places {
     let mut places = [None; BALLS];
@@ -89,10 +108,8 @@ fn expected(track: &BallTrack, now: &Places, t_us: u64, config: &TrackerConfig) 
     let longest = config.occlusion.predict_us.saturating_mul(CARRIED_FOR);
     let absent = track.absent_us(t_us).filter(|us| *us <= longest)?;
     let (centre, voices) = suggested(track, now).filter(|_| config.rigid)?;
-    let known = track.known();
-    let moved = track.forecast.carried_sigma(track.diameter(), absent);
-    let turned2 = disagreement2(track, now);
-    let sigma = libm::sqrtf(known * known + moved * moved + turned2);
+    let known = track.carried_to(absent);
+    let sigma = libm::sqrtf(known * known + disagreement2(track, now));
     (voices >= VOICES).then_some(Expected { centre, sigma })
 }
 

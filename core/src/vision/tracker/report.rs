@@ -33,13 +33,21 @@ impl CameraTracker {
         {
             let Some(track) = track else { continue };
             if let Some(find) = find {
-                let moves = find.mode != Mode::Global && find.score >= self.config.shape.doubtful_score;
-                if let (Some(rim), true) = (&find.rim, moves) {
-                    let variance = (rim.covariance.uu + rim.covariance.vv) * 0.5;
+                let seen = (find.blob.area / track.clean.area.max(1.0)).min(1.0);
+                let (covariance, visible) = match (find.rim, refined) {
+                    (Some(rim), _) => (rim.covariance, rim.visible),
+                    (None, true) => (unrefined(find, track.diameter()), seen),
+                    (None, false) => (ImageCovariance::isotropic(PAPER_SIGMA_PX), seen),
+                };
+                let variance = (covariance.uu + covariance.vv) * 0.5;
+                if find.mode != Mode::Global && refined {
                     let expected = predicted.get(k).copied().flatten();
                     let carried = suggested(track, &places).map(|(place, _)| place);
                     track.judge_prediction(t_us, find.centre, variance, (expected, carried));
+                } else {
+                    track.forecast.interrupted();
                 }
+                let moves = find.mode != Mode::Global && find.score >= self.config.shape.doubtful_score;
                 track.measured(t_us, find.centre, moves);
                 track.settle(find.attempt, find.score);
                 track.companions = places;
@@ -48,13 +56,7 @@ impl CameraTracker {
                 }
                 *mode = find.mode;
                 *score = find.score;
-                let seen = (find.blob.area / track.clean.area.max(1.0)).min(1.0);
-                let (covariance, visible) = match (find.rim, refined) {
-                    (Some(rim), _) => (rim.covariance, rim.visible),
-                    (None, true) => (unrefined(find, track.diameter()), seen),
-                    (None, false) => (ImageCovariance::isotropic(PAPER_SIGMA_PX), seen),
-                };
-                track.known_to(libm::sqrtf(0.5 * (covariance.uu + covariance.vv)));
+                track.known_to(libm::sqrtf(variance));
                 *observation = Observation {
                     state: if find.whole { ObservationState::Visible } else { ObservationState::Occluded },
                     centre: find.centre,
@@ -75,12 +77,8 @@ impl CameraTracker {
                         centre,
                         diameter: track.diameter(),
                         covariance: ImageCovariance::isotropic(match (refined, carried) {
-                            (true, Some(_)) => {
-                                with(track.known(), track.forecast.carried_sigma(track.diameter(), absent))
-                            }
-                            (true, None) => {
-                                with(track.known(), track.forecast.sigma(track.diameter(), absent))
-                            }
+                            (true, Some(_)) => track.carried_to(absent),
+                            (true, None) => track.predicted_to(absent),
                             (false, _) => PREDICTED_SIGMA * track.clean.diameter,
                         }),
                         visible: 0.0,
@@ -91,11 +89,6 @@ impl CameraTracker {
             }
         }
     }
-}
-
-/// Two independent deviations together.
-fn with(a: f32, b: f32) -> f32 {
-    libm::sqrtf(a * a + b * b)
 }
 
 /// How well a row-edge centre is known where the rim was refused.

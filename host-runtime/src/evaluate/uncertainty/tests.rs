@@ -3,7 +3,6 @@ use crate::evaluate::headline::table;
 use crate::evaluate::statistics::tests::{pose_mm, trace};
 use nalgebra::{Matrix6, Vector3};
 use tetrad_core::observation::ImageCovariance;
-use tetrad_fixtures::Scene;
 
 #[test]
 fn an_error_of_one_sigma_in_every_direction_counts_as_its_dimensions() {

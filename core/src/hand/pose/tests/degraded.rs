@@ -37,6 +37,26 @@ fn degraded_states_are_named_and_honest() {
     }
 }
 
+#[test]
+fn a_hand_that_is_covered_again_and_again_is_as_well_known_as_it_says() {
+    // a second in sight, then more than a second without: the gaps' own velocities teach nothing
+    let palm = |frame: usize, views: &mut [HandView]| {
+        if frame % 80 >= 35 {
+            hide(views, 0, &Ball::ALL);
+            hide(views, 1, &Ball::ALL);
+        }
+    };
+    for (name, path) in
+        [("slow", slow as fn(f64) -> Hand), ("demo", demo), ("linear", linear), ("circular", circular)]
+    {
+        let tally = run(name, &pair(30.0), path, 2400, 0.02, 1, palm);
+        for state in [PoseState::Predicted, PoseState::Held] {
+            assert!(tally.states[&state].0 >= 140, "{} of {name}", state.name());
+        }
+        is_honest(&tally);
+    }
+}
+
 /// Red hidden in every second second, seen by one camera alone.
 fn red_hidden(frame: usize, views: &mut [HandView]) {
     if frame % 60 >= 30 {
