@@ -7,8 +7,8 @@ use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::Observation;
 use tetrad_core::wire::{
     ArmReason, ArmState, ArmStatePacket, ArmVerdict, ButtonsPacket, CommandEcho, ControllerState, Covariance,
-    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, Settled, Transform, decode_body, encode,
-    encode_body,
+    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, Settled, Transform, decode_body,
+    encode, encode_body,
 };
 
 tetrad_no_panic::program!({
