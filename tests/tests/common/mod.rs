@@ -96,12 +96,7 @@ pub(crate) fn track_shown(
 }
 
 /// Tracks every frame of all cameras, in order, as the program does: the hand that they see says where
-/// each ball is next.
-pub(crate) fn track_hand(scene: &Scene, each: impl FnMut(usize, &Tracked)) {
-    track_hand_with(scene, PipelineConfig::paper(), each);
-}
-
-/// The same with methods of choice.
+/// each ball is next; with methods of choice.
 pub(crate) fn track_hand_with(scene: &Scene, config: PipelineConfig, mut each: impl FnMut(usize, &Tracked)) {
     let mut pictures = vec![Vec::new(); scene.cameras()];
     render(scene, 0, &mut pictures);

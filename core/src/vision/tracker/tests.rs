@@ -233,30 +233,6 @@ fn a_stray_find_is_given_up_for_the_ball() {
     }
 }
 
-/// The whole hand is covered and things in the room have a ball's colour and size: they have no ball's
-/// rim, so nothing is reported where there is none.
-#[test]
-fn a_thing_without_a_balls_rim_is_no_ball_while_the_hand_is_covered() {
-    let mut tracker = tracker(TrackerConfig::default());
-    for frame in 0..5 {
-        step(&mut tracker, &with_balls(PLACES), frame);
-    }
-    let mut covered = Painter::new();
-    covered.block(190, 140, 206, 154, Painter::colour(Ball::Yellow));
-    for frame in 5..60 {
-        let report = step(&mut tracker, &covered, frame);
-        for (ball, observation) in Ball::ALL.into_iter().zip(&report.observations) {
-            let near = off(&report, ball, PLACES[ball.index()]) < 1.0;
-            let nowhere = observation.state == ObservationState::Lost;
-            assert!(nowhere || (near && !observation.state.is_measured()), "{ball:?} in frame {frame}");
-        }
-    }
-    for frame in 60..63 {
-        let report = step(&mut tracker, &with_balls(PLACES), frame);
-        assert!(report.observations.iter().all(|ball| ball.state == ObservationState::Visible));
-    }
-}
-
 #[test]
 fn balls_that_move_on_their_own_are_found_anywhere() {
     let mut tracker = tracker(TrackerConfig { rigid: false, ..TrackerConfig::default() });
