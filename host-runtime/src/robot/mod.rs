@@ -20,7 +20,7 @@ mod query;
 
 pub mod set_point;
 
-mod start;
+pub(crate) mod start;
 
 pub mod simulated;
 

@@ -16,6 +16,16 @@ pub(super) fn start_joints(puma: &PumaConfig) -> Joints<f64> {
     joints
 }
 
+/// The first joint whose range excludes that place: its number and its angle there, degrees.
+pub(crate) fn excluded(puma: &PumaConfig) -> Option<(usize, f64)> {
+    let nearest = start_joints(puma).map(f64::to_degrees);
+    let mut joints = (1..).zip(START_DEG.iter().zip(&nearest));
+    // degrees there and back are not to the bit
+    joints
+        .find(|(_, (place, nearest))| (*place - *nearest).abs() > 1e-9)
+        .map(|(number, (place, _))| (number, *place))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

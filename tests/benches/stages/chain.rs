@@ -47,7 +47,7 @@ impl Chain {
         let pipeline = Pipeline::new(&starts, config, Some(arms)).expect("a pipeline");
         let clock = Clock::given();
         let ends = pair(1, [Faults::default(); 2], &clock);
-        ends[0].begin(SESSION).expect("the first session");
+        ends[1].begin(SESSION).expect("the first session");
         let settings = SlaveConfig::default();
         let arm = SimulatedArm::with_clock(&settings.puma, &SimulatedOptions::default(), clock.clone());
         let slave = SlaveStation::new(&settings, Box::new(arm.expect("an arm"))).expect("a slave");

@@ -193,6 +193,19 @@ fn strangers(cell: &Cell, _: Duration) -> Result<String, String> {
 /// Datagrams in the flood.
 const GARBAGE: u64 = 10_000_000;
 
+/// What garbage may delay motion by, ms: the 99th percentile of the motions that came.
+const FLOODED_MS: f64 = 10.0;
+
+/// A stage's 99th percentile, from the operator's delays.csv.
+fn p99_ms(cell: &Cell, stage: &str) -> Result<f64, String> {
+    let file = cell.out("operator").join("delays.csv");
+    let text = std::fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+    let row =
+        text.lines().map(|line| line.split(',').collect::<Vec<_>>()).find(|row| row.first() == Some(&stage));
+    let p99_us: Option<f64> = row.and_then(|row| row.get(3)?.parse().ok());
+    p99_us.map(|us| us / 1e3).ok_or_else(|| format!("{}: there is no {stage}", file.display()))
+}
+
 /// Garbage as fast as it goes to the slave's port, while the arm follows.
 fn flood(cell: &Cell, length: Duration) -> Result<String, String> {
     let others = Others::start(cell)?;
@@ -248,6 +261,19 @@ fn flood(cell: &Cell, length: Duration) -> Result<String, String> {
     if ages.is_empty() {
         return Err(format!("the arm did not follow\n{report}"));
     }
+    for stage in ["sent to slave", "total sent to port written"] {
+        let p99_ms = p99_ms(cell, stage)?;
+        let _ = writeln!(report, "{stage}: p99 {p99_ms:.1} ms under garbage");
+        if p99_ms > FLOODED_MS {
+            return Err(format!("motion was delayed: {stage} p99 {p99_ms:.1} ms\n{report}"));
+        }
+    }
+    let left: usize =
+        rows.windows(2).filter(|pair| pair[0].state == "engaged" && pair[1].state == "hold").count();
+    let _ = writeln!(
+        report,
+        "the arm held {left} times for want of fresh commands: what garbage crowds out is lost"
+    );
     Ok(report)
 }
 

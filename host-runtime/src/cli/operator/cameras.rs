@@ -124,7 +124,17 @@ impl HandEye {
 
     /// What was lost on the way here, in words.
     pub(super) fn losses(&self) -> String {
-        let Place::Station(peer) = &self.place else { return String::new() };
+        let peer = match &self.place {
+            Place::Station(peer) => peer,
+            Place::Serial(node) => {
+                let counts = node.counts();
+                return format!(
+                    ", {} lost, {} damaged, {} other packets",
+                    counts.lost, counts.damaged, counts.other
+                );
+            }
+            Place::Here(_) | Place::Over => return String::new(),
+        };
         let counts = peer.stats().received.observations[usize::from(CAMERA)];
         format!(", {:.1} % lost, {} late, {} overtaken", counts.loss() * 100.0, counts.late, counts.overtaken)
     }

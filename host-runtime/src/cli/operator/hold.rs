@@ -69,6 +69,13 @@ impl Hold {
         .help("leave the flag out and hold the space bar, or try it with a slave at sim: first"))
     }
 
+    /// The slave is gone: whoever comes back has to say anew what it moves.
+    pub(super) const fn slave_gone(&mut self) {
+        if let Self::Always { allowed, .. } = self {
+            *allowed = false;
+        }
+    }
+
     /// The arm's state has come.
     pub(super) fn hear(&mut self, state: &ArmStatePacket, now_us: u64) {
         if let Self::Always { unattended, allowed: true } = self {

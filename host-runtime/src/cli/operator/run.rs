@@ -166,6 +166,9 @@ impl Run {
         lines.extend(self.parts.cameras.notices());
         lines.extend(self.parts.slave.notices());
         lines.extend(self.pictures.take(&self.parts.slave, now_us));
+        if !self.parts.slave.is_connected() {
+            self.parts.hold.slave_gone();
+        }
         if let Some(message) = self.parts.slave.configuration() {
             match SlaveAnnouncement::decode(&message) {
                 Ok(slave) => {

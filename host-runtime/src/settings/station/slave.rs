@@ -5,6 +5,7 @@ use super::within;
 use crate::link::StationName;
 use crate::robot::RobotKind;
 use crate::robot::simulated::SimulatedArm;
+use crate::robot::start::excluded;
 use crate::settings::arm::ArmSettings;
 use crate::settings::file::{FileToml, Problem};
 use crate::source::{Options, View};
@@ -14,6 +15,10 @@ use tetrad_core::arm::puma560::Puma560;
 
 /// Cameras of the slave's scene: the paper's pair.
 const MAX_CAMERAS: usize = 2;
+
+/// A command has to last so many cycles: one in which it comes, one that the stop is begun ahead of time,
+/// and one at least in between.
+const CYCLES_A_COMMAND: u32 = 3;
 
 /// Pictures a second of the scene, where nothing else is said.
 const DEFAULT_FPS: f64 = 15.0;
@@ -68,6 +73,7 @@ impl SlaveSettings {
     pub(super) fn checked(toml: &FileToml) -> Result<Self, Problem> {
         let arm = ArmSettings::checked(toml)?;
         starts_within(&arm)?;
+        outlasts_a_cycle(&arm)?;
         let Some(slave) = &toml.slave else { return Ok(Self { arm, operator: None, cameras: Vec::new() }) };
         let operator = slave.operator.as_deref().map(str::parse).transpose();
         let operator = operator.map_err(|error| ("[slave] operator".to_owned(), format!("{error}")))?;
@@ -118,12 +124,34 @@ impl SceneCameraToml {
     }
 }
 
+/// Refuses commands that are old before the next cycle sees them: the arm would never move.
+fn outlasts_a_cycle(arm: &ArmSettings) -> Result<(), Problem> {
+    let (timeout_us, cycle_us) = (arm.slave.teleop.command_timeout_us, arm.slave.governor.cycle_us);
+    if timeout_us >= CYCLES_A_COMMAND.saturating_mul(cycle_us) {
+        return Ok(());
+    }
+    let problem = format!(
+        "a command that is old after {} ms does not last {CYCLES_A_COMMAND} cycles of {} ms: take shorter \
+         cycles ([governor] cycle_ms) or a longer time",
+        f64::from(timeout_us) / 1e3,
+        f64::from(cycle_us) / 1e3
+    );
+    Err(("[teleop] command_timeout_ms".to_owned(), problem))
+}
+
 /// Refuses a workspace in which a simulated arm does not stand at its start. Where a real one stands is
 /// known when it is asked, and it may always come back in.
 fn starts_within(arm: &ArmSettings) -> Result<(), Problem> {
     let address = arm.port.clone().unwrap_or_default();
     let RobotKind::Simulated(options) = address.kind() else { return Ok(()) };
     let wrong = |error: String| ("[slave] port".to_owned(), format!("{address}: {error}"));
+    if let Some((joint, degrees)) = excluded(&arm.slave.puma).filter(|_| options.start.is_none()) {
+        let problem = format!(
+            "joint {joint} of the simulated arm starts at {degrees} degrees, outside its range: take a range \
+             around that, or say where it starts, as in sim:?start_deg=30,45,-180,0,45,0"
+        );
+        return Err(("[arm] min_deg, max_deg".to_owned(), problem));
+    }
     let mut port = SimulatedArm::new(&arm.slave.puma, options).map_err(|error| wrong(error.to_string()))?;
     let reading = port.read_joints().map_err(|error| wrong(error.to_string()))?;
     let puma = Puma560::new(&arm.slave.puma).map_err(|error| wrong(error.to_string()))?;

@@ -54,7 +54,7 @@ fn the_documented_files_are_taken() {
     let text = documented("camera");
     let missing = load_in(dir.path(), &text).unwrap_err();
     assert!(
-        missing.starts_with("[camera] colours: cannot read") && missing.contains("left.toml"),
+        missing.starts_with("[camera] colours: cannot read") && missing.contains("left-colours.toml"),
         "{missing}"
     );
     let of_a_scene = text.replace("/dev/video0", "sim:demo").replace("colours = ", "# colours = ");
@@ -139,6 +139,15 @@ fn limits_that_exclude_the_start_are_refused() {
     let slave = documented("slave");
     let low = format!("{slave}[workspace]\nmin_mm = [-900, -900, 0]\nmax_mm = [900, 900, 100]\n");
     refused(&low, "[workspace] min_mm, max_mm: the arm starts with its tool at");
+    let narrow = format!("{slave}[arm]\nmin_deg = [20, -45, -225, -110, -100, -266]\n");
+    refused(&narrow, "[arm] min_deg, max_deg: joint 1 of the simulated arm starts at 0 degrees");
+    let slow = format!("{slave}[governor]\ncycle_ms = 50\n");
+    refused(
+        &slow,
+        "[teleop] command_timeout_ms: a command that is old after 100 ms does not last 3 cycles of 50 ms",
+    );
+    let hasty = format!("{slave}[teleop]\ncommand_timeout_ms = 5\n");
+    refused(&hasty, "[teleop] command_timeout_ms");
     let beyond = slave.replace("\"sim:\"", "\"sim:?start_deg=0,45,60,0,0,0\"");
     refused(&beyond, "start_deg: joint 3 can be from -225.0 to 45.0 degrees");
 }
