@@ -1,4 +1,5 @@
-//! Any bytes from a peer of the link: as its stream in pieces of any size, as a picture, as datagrams.
+//! Any bytes from a peer of the link: as its stream in pieces of any size, as a picture, as a slave's
+//! word on itself, as datagrams.
 //! Refused with a reason, or taken as what was sent; what the inbox lets through is only ever newer.
 #![no_main]
 
@@ -6,6 +7,7 @@ use libfuzzer_sys::fuzz_target;
 use tetrad::link::inbox::Inbox;
 use tetrad::link::message::{Message, MessageError, Reader};
 use tetrad::link::picture::Picture;
+use tetrad::station::SlaveAnnouncement;
 
 fn messages<'a>(pieces: impl Iterator<Item = &'a [u8]>) -> (Vec<Message>, Option<MessageError>) {
     let mut reader = Reader::default();
@@ -33,6 +35,11 @@ fuzz_target!(|input: (u8, u32, &[u8])| {
 
     if let Ok(picture) = Picture::decode(data) {
         assert_eq!(picture.encode().as_deref(), Ok(data));
+    }
+
+    if let Ok(slave) = SlaveAnnouncement::decode(data) {
+        assert_eq!(slave.station, "slave");
+        assert!(slave.encode().is_ok_and(|again| SlaveAnnouncement::decode(&again).is_ok()));
     }
 
     let mut inbox = Inbox::default();
