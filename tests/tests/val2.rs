@@ -284,7 +284,7 @@ fn an_arm_that_is_not_calibrated_says_so_at_the_first_move() {
 #[test]
 fn a_character_lost_either_way_never_sends_the_arm_elsewhere() {
     let emulator = Emulator::start(Controller::plus());
-    let mut port = opened(&emulator, "dialect=ppoint&where=60000&timeout=200");
+    let mut port = opened(&emulator, "dialect=ppoint&where=60000&timeout=600");
     for lost in 0..24 {
         emulator.controller().put(READY);
         assert_eq!(enabled(&mut port), PortStatus::Ready, "{}", reason(&port));
