@@ -119,7 +119,7 @@ fn every_unreachable_row_is_refused_with_its_reason() {
             };
             let refused = arm.inverse(&row.pose(), &[0.0; 6]).map(|_| ());
             assert_eq!(refused, Err(reason), "{}", row.name());
-            let refused = self::arm().inverse(&single(&row.pose()), &[0.0; 6]).map(|_| ());
+            let refused = self::arm::<f32>().inverse(&single(&row.pose()), &[0.0; 6]).map(|_| ());
             assert_eq!(refused, Err(reason), "{} in single precision", row.name());
         }
         assert!(rows >= 12, "{rows} rows");

@@ -255,16 +255,17 @@ impl From<Unreachable> for ChooseRefusal {
 }
 
 impl<T: Real> Puma560<T> {
-    /// The joints that bring the tool to `base_from_tool`, following `recent`.
+    /// The joints that bring the tool to `base_from_tool`, following `recent`. In the precision in which
+    /// the pose is told, as [`Self::inverse`].
     ///
     /// Joints that are outside their range already may stay where they are or come back, not go
     /// farther out.
     ///
     /// # Errors
     /// [`ChooseRefusal`]; the arm then stays where it is, and any other pose may be asked for.
-    pub fn choose(
+    pub fn choose<P: Real>(
         &self,
-        base_from_tool: &Pose<T>,
+        base_from_tool: &Pose<P>,
         recent: &Recent<T>,
         policy: &Policy,
     ) -> Result<Choice<T>, ChooseRefusal> {
@@ -312,9 +313,9 @@ impl<T: Real> Puma560<T> {
     }
 
     /// The solution nearest to the last joints of those that are in range and as fixed.
-    fn jump(
+    fn jump<P: Real>(
         &self,
-        base_from_tool: &Pose<T>,
+        base_from_tool: &Pose<P>,
         recent: &Recent<T>,
         fixed: Fixed,
     ) -> Result<Choice<T>, ChooseRefusal> {

@@ -3,7 +3,7 @@
 //! The product of the link table, multiplied out. The arm (joints 1 to 3) places the wrist centre,
 //! the wrist (joints 4 to 6) turns about it.
 
-use super::model::{Joints, Puma560};
+use super::model::{Geometry, Joints, Puma560};
 use crate::geometry::Pose;
 use crate::real::Real;
 use nalgebra::{Matrix3, Vector3};
@@ -26,11 +26,13 @@ impl<T: Real> Puma560<T> {
     /// `base_from_tool` at these joints. Joints that are not finite give a pose that is not.
     #[must_use]
     pub fn forward(&self, joints: &Joints<T>) -> Pose<T> {
-        self.wrist(joints).compose(&self.tool)
+        self.geometry.wrist(joints).compose(&self.geometry.tool)
     }
+}
 
+impl<T: Real> Geometry<T> {
     /// `base_from_wrist`: the last link's frame, at the wrist centre.
-    pub(super) fn wrist(&self, joints: &Joints<T>) -> Pose<T> {
+    fn wrist(&self, joints: &Joints<T>) -> Pose<T> {
         let [q1, q2, q3, q4, q5, q6] = *joints;
         let arm = self.arm(Turn::by(q1), Turn::by(q2), Turn::by(q2 + q3));
         let wrist = wrist_rotation(Turn::by(q4), Turn::by(q5), Turn::by(q6));

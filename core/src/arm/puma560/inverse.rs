@@ -13,7 +13,7 @@
 
 use super::forward::{Turn, wrist_rotation};
 use super::joint_set::JointSet;
-use super::model::{Joints, Puma560};
+use super::model::{Geometry, Joints, Puma560};
 use super::posture::{Configuration, Signs};
 use super::turns::wrapped;
 use crate::geometry::Pose;
@@ -52,8 +52,8 @@ pub enum Unreachable {
     TooFar,
     /// The wrist centre would be nearer to the shoulder than the folded arm.
     TooNear,
-    /// Joints were found, but not within what is asked of their precision. It takes lengths far from
-    /// a PUMA's in single precision.
+    /// Joints were found, but not within what is asked of the pose's precision. It takes lengths far from
+    /// a PUMA's and a pose in single precision.
     Inexact,
 }
 
@@ -68,7 +68,7 @@ impl fmt::Display for Unreachable {
             }
             Self::TooFar => "out of reach: too far even for the stretched arm; move the tool towards it",
             Self::TooNear => "out of reach: too near to the shoulder; move the tool away from it",
-            Self::Inexact => "the joints found miss the pose; compute this arm in double precision",
+            Self::Inexact => "the joints found miss the pose; tell poses of this arm in double precision",
         })
     }
 }
@@ -115,13 +115,20 @@ impl<T> Solutions<T> {
 impl<T: Real> Puma560<T> {
     /// The joints that bring the tool to `base_from_tool`, in all configurations.
     ///
+    /// Computed in the precision in which the pose is told, and rounded to that of the joints at the
+    /// end; see [the module](super) for what that means beside singularities.
+    ///
     /// `near` (the last joints, or those expected now) decides what the pose leaves open: whole
     /// turns, and at the wrist's singularity how q4 and q6 share what only their sum has to be. There
     /// the solution that `near` leads to is told as bent the way `near` is.
     ///
     /// # Errors
     /// [`Unreachable`] says why there are none.
-    pub fn inverse(&self, base_from_tool: &Pose<T>, near: &Joints<T>) -> Result<Solutions<T>, Unreachable> {
+    pub fn inverse<P: Real>(
+        &self,
+        base_from_tool: &Pose<P>,
+        near: &Joints<T>,
+    ) -> Result<Solutions<T>, Unreachable> {
         let mut solutions = Solutions { found: [None; 8] };
         let mut places = solutions.found.iter_mut();
         self.solve(base_from_tool, near, |configuration, joints| {
@@ -135,7 +142,22 @@ impl<T: Real> Puma560<T> {
 
     /// Calls `each` with every solution, whole turns and ranges aside, in the order of
     /// [`Configuration::ALL`].
-    pub(super) fn solve(
+    pub(super) fn solve<P: Real>(
+        &self,
+        base_from_tool: &Pose<P>,
+        near: &Joints<T>,
+        mut each: impl FnMut(Configuration, &Joints<T>),
+    ) -> Result<(), Unreachable> {
+        let near = near.map(|angle| P::of(angle.to_f64()));
+        self.exact.rounded::<P>().solve(base_from_tool, &near, |configuration, joints| {
+            each(configuration, &joints.map(|angle| T::of(angle.to_f64())));
+        })
+    }
+}
+
+impl<T: Real> Geometry<T> {
+    /// As [`Puma560::solve`], in one precision.
+    fn solve(
         &self,
         base_from_tool: &Pose<T>,
         near: &Joints<T>,

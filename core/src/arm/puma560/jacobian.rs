@@ -16,15 +16,16 @@ impl<T: Real> Puma560<T> {
         let [q1, q2, q3, q4, q5, q6] = *joints;
         let (q1, q2, q23) = (Turn::by(q1), Turn::by(q2), Turn::by(q2 + q3));
         let q4 = Turn::by(q4);
-        let arm = self.arm(q1, q2, q23);
+        let of = &self.geometry;
+        let arm = of.arm(q1, q2, q23);
         let wrist = arm.rotation * wrist_rotation(q4, Turn::by(q5), Turn::by(q6));
-        let tool = arm.translation + wrist * self.tool.translation;
+        let tool = arm.translation + wrist * of.tool.translation;
 
         // each joint turns about an axis through a point
         let zero = T::zero();
-        let shoulder = Vector3::new(zero, zero, self.base);
-        let out = self.upper_arm * q2.cos;
-        let elbow = Vector3::new(q1.cos * out, q1.sin * out, self.base + self.upper_arm * q2.sin);
+        let shoulder = Vector3::new(zero, zero, of.base);
+        let out = of.upper_arm * q2.cos;
+        let elbow = Vector3::new(q1.cos * out, q1.sin * out, of.base + of.upper_arm * q2.sin);
         let across = Vector3::new(q1.sin, -q1.cos, zero);
         let bend = arm.rotation * Vector3::new(q4.sin, -q4.cos, zero);
         let column = |axis: Vector3<T>, point: Vector3<T>| {

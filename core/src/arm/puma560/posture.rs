@@ -163,19 +163,20 @@ impl<T: Real> Puma560<T> {
     #[must_use]
     pub fn singularities(&self, joints: &Joints<T>) -> Singularities<T> {
         let [_, q2, q3, _, q5, _] = *joints;
+        let of = &self.geometry;
         let (s3, c3) = q3.sin_cos();
         let (s23, c23) = (q2 + q3).sin_cos();
         Singularities {
             wrist: q5.sin(),
-            elbow_m: self.forearm * c3 + self.elbow * s3,
-            shoulder_m: self.upper_arm * q2.cos() + self.elbow * c23 - self.forearm * s23,
+            elbow_m: of.forearm * c3 + of.elbow * s3,
+            shoulder_m: of.upper_arm * q2.cos() + of.elbow * c23 - of.forearm * s23,
         }
     }
 
     /// det J, m^3: how far the arm is from any singularity.
     #[must_use]
     pub fn determinant(&self, at: &Singularities<T>) -> T {
-        self.upper_arm * at.wrist * at.elbow_m * at.shoulder_m
+        self.geometry.upper_arm * at.wrist * at.elbow_m * at.shoulder_m
     }
 
     /// The singularity that is nearest, and how near: each factor's size as a share of the largest
@@ -183,7 +184,7 @@ impl<T: Real> Puma560<T> {
     #[must_use]
     pub fn nearest_singularity(&self, at: &Singularities<T>) -> (Singularity, T) {
         let wrist = (Singularity::Wrist, at.wrist.abs());
-        let elbow = (Singularity::Elbow, at.elbow_m.abs() / self.lower_arm);
+        let elbow = (Singularity::Elbow, at.elbow_m.abs() / self.geometry.lower_arm);
         let shoulder = (Singularity::Shoulder, at.shoulder_m.abs() / self.reach());
         let nearer = |a: (Singularity, T), b: (Singularity, T)| if b.1 < a.1 { b } else { a };
         nearer(nearer(wrist, elbow), shoulder)

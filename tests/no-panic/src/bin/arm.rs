@@ -1,4 +1,5 @@
-//! The arm with any lengths, joints and poses, in both precisions.
+//! The arm with any lengths, joints and poses, in both precisions, and in single precision out of poses
+//! in double.
 #![no_std]
 #![no_main]
 
@@ -8,7 +9,7 @@ use tetrad_core::config::{DrivesConfig, PumaConfig};
 use tetrad_core::geometry::Pose;
 use tetrad_core::real::Real;
 
-fn any<T: Real>(zero: &Joints<T>) {
+fn any<T: Real, P: Real>(zero: &Joints<T>) {
     if let Ok(arm) = Puma560::<T>::new(black_box(&PumaConfig::default())) {
         let joints: &Joints<T> = black_box(zero);
         black_box(arm.links());
@@ -19,7 +20,7 @@ fn any<T: Real>(zero: &Joints<T>) {
         black_box(arm.nearest_singularity(&at));
         black_box(arm.outside(joints).numbers().count());
 
-        let pose = black_box(Pose::<T>::identity());
+        let pose = black_box(Pose::<P>::identity());
         if let Ok(solutions) = arm.inverse(&pose, joints) {
             black_box(solutions.get(black_box(Configuration::ALL[0])));
             black_box(solutions.within_ranges().count());
@@ -38,6 +39,7 @@ fn any<T: Real>(zero: &Joints<T>) {
 }
 
 tetrad_no_panic::program!({
-    any(&[0.0f32; 6]);
-    any(&[0.0f64; 6]);
+    any::<f32, f32>(&[0.0; 6]);
+    any::<f32, f64>(&[0.0; 6]);
+    any::<f64, f64>(&[0.0; 6]);
 });

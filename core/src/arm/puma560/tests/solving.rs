@@ -125,6 +125,21 @@ proptest! {
     }
 
     #[test]
+    fn out_of_an_exact_pose_single_precision_finds_what_double_does(q in joints(), q5 in -1e-3..1e-3) {
+        let (single, double) = (arm::<f32>(), arm::<f64>());
+        for q in [q, [q[0], q[1], q[2], q[3], q5, q[5]]] {
+            let pose = double.forward(&q);
+            let found = single.inverse(&pose, &q.map(|x| x as f32)).expect("the arm was there");
+            let exact = double.inverse(&pose, &q).expect("the arm was there");
+            prop_assert_eq!(found.iter().count(), 8);
+            for (found, exact) in found.iter().zip(exact.iter()) {
+                prop_assert_eq!(found.configuration, exact.configuration);
+                prop_assert!(turned(&found.joints.map(f64::from), &exact.joints) < 1e-6);
+            }
+        }
+    }
+
+    #[test]
     fn nothing_is_too_strange_to_be_answered(numbers in proptest::array::uniform32(proptest::num::f64::ANY)) {
         let [a, b, c, d, e, f, g, h, i, x, y, z, q1, q2, q3, q4, q5, q6, ..] = numbers;
         let pose = Pose { rotation: Matrix3::new(a, b, c, d, e, f, g, h, i), translation: Vector3::new(x, y, z) };
@@ -132,6 +147,9 @@ proptest! {
         for pose in [pose, upright] {
             for near in [[q1, q2, q3, q4, q5, q6], [0.0; 6]] {
                 if let Ok(solutions) = arm::<f64>().inverse(&pose, &near) {
+                    prop_assert!(solutions.iter().all(|s| s.joints.iter().all(|angle| angle.is_finite())));
+                }
+                if let Ok(solutions) = arm::<f32>().inverse(&pose, &near.map(|angle| angle as f32)) {
                     prop_assert!(solutions.iter().all(|s| s.joints.iter().all(|angle| angle.is_finite())));
                 }
             }
