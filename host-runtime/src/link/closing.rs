@@ -17,11 +17,20 @@ pub(super) enum Closing {
     Nonsense,
     /// The certificate is not that of one peer.
     Stranger,
+    /// Another process of that name and key is there and alive.
+    Taken,
 }
 
 impl Closing {
-    const ALL: [Self; 6] =
-        [Self::Ends, Self::Replaced, Self::Dialled, Self::Session, Self::Nonsense, Self::Stranger];
+    const ALL: [Self; 7] = [
+        Self::Ends,
+        Self::Replaced,
+        Self::Dialled,
+        Self::Session,
+        Self::Nonsense,
+        Self::Stranger,
+        Self::Taken,
+    ];
 
     const fn code(self) -> u32 {
         self as u32
@@ -36,6 +45,9 @@ impl Closing {
                 "its session has ended or is another station's: two stations run with the same name and key"
             }
             Self::Nonsense => "what came over the stream makes no sense",
+            Self::Taken => {
+                "a station of that name and key is connected already and alive: end one of the two"
+            }
             Self::Stranger => "its certificate is not that of one of the peers",
         }
     }

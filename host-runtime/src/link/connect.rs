@@ -81,7 +81,8 @@ async fn shake_hands(
 async fn carry(connection: &Connection, lane: Lane, link: &LinkShared, peer: &Arc<PeerShared>) -> Carried {
     if lane == Lane::Pictures {
         let reason = pictures::run(connection, peer, link.picture_bytes_per_s).await;
-        return Carried { greeted: true, reason };
+        // one that is turned away has no connection for motion either
+        return Carried { greeted: peer.has(Lane::Motion), reason };
     }
     let greeted = AtomicBool::new(false);
     let ended = session::run(connection, link, peer, || {

@@ -2,6 +2,7 @@
 
 use super::carrier::Carrier;
 use super::clock::ClockEstimate;
+use super::closing::Closing;
 use super::gate::Gate;
 use super::inbox::{CAMERAS, Inbox, InboxCounts, Received};
 use super::message::MAX_CONFIGURATION;
@@ -11,11 +12,17 @@ use super::outbox::{Outbox, OutboxCounts, PACKETS};
 use super::picture::{Picture, PictureError};
 use super::tls::Lane;
 use crate::robot::clock::Clock;
-use quinn::Connection;
+use quinn::{Connection, Side};
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tetrad_core::wire::{EncodeError, Packet};
 use tokio::sync::watch;
+
+/// Whether two connections that a peer has dialled come from two sockets.
+fn are_of_two(one: &Connection, other: &Connection) -> bool {
+    let dialled_there = |connection: &Connection| connection.side() == Side::Server;
+    dialled_there(one) && dialled_there(other) && one.remote_address() != other.remote_address()
+}
 
 /// A peer of this station. Clones are the same peer. No call waits.
 #[derive(Clone, Debug)]
@@ -201,6 +208,21 @@ impl PeerShared {
         self.lock().connections[lane as usize].is_some()
     }
 
+    /// The connection of the peer as it is now, where that is another session than this.
+    pub(super) fn connected_as_another(&self, session: u32) -> Option<Connection> {
+        let state = self.lock();
+        let connection = state.connections[Lane::Motion as usize].as_ref();
+        connection.filter(|_| state.inbox.session() != Some(session)).cloned()
+    }
+
+    /// Whether a connection for pictures is of another process of this peer's name than the one that is
+    /// there. Both that a process has dialled come from its one socket.
+    pub(super) fn is_beside_another(&self, pictures: &Connection) -> bool {
+        let state = self.lock();
+        let motion = state.connections[Lane::Motion as usize].as_ref();
+        motion.is_some_and(|motion| are_of_two(motion, pictures))
+    }
+
     /// A datagram has come. What is not a packet to be used is counted and dropped.
     pub(super) fn take_datagram(&self, body: &[u8]) {
         let now_us = self.clock.now_us();
@@ -246,10 +268,11 @@ impl PeerShared {
             state.connected += 1;
         }
         let before = state.connections[lane as usize].replace(connection.clone());
+        let pictures = &mut state.connections[Lane::Pictures as usize];
+        let of_another =
+            pictures.take_if(|pictures| lane == Lane::Motion && are_of_two(connection, pictures));
         drop(state);
-        if let Some(before) = before {
-            super::closing::Closing::Replaced.close(&before);
-        }
+        before.iter().chain(&of_another).for_each(|replaced| Closing::Replaced.close(replaced));
         self.news.ring();
     }
 

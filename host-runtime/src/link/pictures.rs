@@ -3,7 +3,7 @@
 //! A picture that has begun is sent to its end, for one that is broken off helps nobody; one that has
 //! not begun is overtaken by the next. So a slow network sees fewer pictures and never older ones.
 
-use super::closing::in_words;
+use super::closing::{Closing, in_words};
 use super::peer::PeerShared;
 use super::picture::{MAX_PICTURE_LEN, Picture};
 use super::tls::Lane;
@@ -25,6 +25,10 @@ const TOO_OLD: Duration = Duration::from_secs(3);
 /// Carries pictures until the connection ends, and says why it did.
 pub(super) async fn run(connection: &Connection, peer: &Arc<PeerShared>, bytes_per_s: u32) -> String {
     set_for(Lane::Pictures, connection);
+    if peer.is_beside_another(connection) {
+        Closing::Taken.close(connection);
+        return Closing::Taken.text().to_owned();
+    }
     // nobody was there to see it
     peer.pictures.clear();
     peer.connect(Lane::Pictures, connection);

@@ -19,7 +19,7 @@ use std::convert::Infallible;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use tokio::sync::mpsc;
-use tokio::time::{MissedTickBehavior, interval, timeout};
+use tokio::time::{MissedTickBehavior, interval, sleep, timeout};
 
 /// The greeting is to be over within this.
 const GREETING: Duration = Duration::from_secs(5);
@@ -33,6 +33,11 @@ const ASK_EVERY: Duration = Duration::from_millis(500);
 
 /// Questions whose answers are waited for.
 const ASKED: usize = 16;
+
+/// Another process of the same name and key that is not heard for so long is taken for dead: longer than
+/// [`ASK_EVERY`], after which whoever is alive has acknowledged something.
+const DEAD: Duration = Duration::from_millis(600);
+const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 /// Bytes read from the stream at a time.
 const PIECE: usize = 4096;
@@ -98,7 +103,8 @@ pub(super) async fn run(
 }
 
 impl Session<'_> {
-    /// Each end says which session its packets are of.
+    /// Each end says which session its packets are of. The one that is dialled says it last, so that who
+    /// is turned away was never there.
     async fn greet(&self) -> Result<(SendStream, RecvStream, Reader), Ended> {
         let (mut stream_out, mut stream_in) = match self.connection.side() {
             Side::Client => self.connection.open_bi().await,
@@ -106,15 +112,52 @@ impl Session<'_> {
         }
         .map_err(Ended::Connection)?;
         let hello = Message::Hello { session: self.link.session }.encode();
-        stream_out.write_all(&hello).await.map_err(|_| self.broken())?;
+        let dials = self.connection.side() == Side::Client;
+        if dials {
+            stream_out.write_all(&hello).await.map_err(|_| self.broken())?;
+        }
         let mut reader = Reader::default();
         let Message::Hello { session } = self.next(&mut stream_in, &mut reader).await? else {
             return Err(Ended::Here(Closing::Nonsense));
         };
+        if self.is_taken(session).await {
+            return Err(Ended::Here(Closing::Taken));
+        }
         if !self.link.claim(session, &self.peer.name) || self.peer.lock().inbox.begin(session).is_err() {
             return Err(Ended::Here(Closing::Session));
         }
+        if !dials {
+            stream_out.write_all(&hello).await.map_err(|_| self.broken())?;
+        }
         Ok((stream_out, stream_in, reader))
+    }
+
+    /// Whether another process of this peer's name is there and alive. Whoever has the arm keeps it; one
+    /// that was killed and started again finds nobody.
+    async fn is_taken(&self, session: u32) -> bool {
+        while let Some(other) = self.peer.connected_as_another(session) {
+            let heard = || other.stats().udp_rx.datagrams;
+            let before = heard();
+            let alive = timeout(DEAD, async {
+                while heard() == before && other.close_reason().is_none() {
+                    sleep(LOOK_EVERY).await;
+                }
+                other.close_reason().is_none()
+            });
+            match alive.await {
+                Ok(true) => return true,
+                // it has just ended: who is there now?
+                Ok(false) => sleep(LOOK_EVERY).await,
+                Err(_) => {
+                    // unless somebody else has taken its place meanwhile
+                    let now = self.peer.connected_as_another(session);
+                    if now.is_none_or(|now| now.stable_id() == other.stable_id()) {
+                        return false;
+                    }
+                }
+            }
+        }
+        false
     }
 
     async fn send(&self) -> Result<Infallible, Ended> {

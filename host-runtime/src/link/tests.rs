@@ -8,6 +8,7 @@ use tempfile::TempDir;
 
 mod relay;
 mod strangers;
+mod twins;
 
 /// How long something may take that takes a moment on an idle computer.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -47,6 +48,11 @@ fn dialler(keys: &TempDir, station: &str, peer: &str, address: SocketAddr) -> Li
 
 fn only_peer(link: &Link) -> Peer {
     link.peers().next().unwrap()
+}
+
+/// The newest of what happened since this was last asked.
+fn next_event(link: &Link) -> Option<LinkEvent> {
+    link.events().pop()
 }
 
 /// What `look` gives once it gives something.

@@ -11,7 +11,10 @@ pub fn standing(packet: &ArmStatePacket) -> String {
     let reason = match packet.reason {
         ArmReason::None => return state.to_owned(),
         ArmReason::Started => StopReason::Started.to_string(),
-        ArmReason::Asked => StopReason::Asked.to_string(),
+        ArmReason::Asked => {
+            "stop was pressed, or the slave station ends; when all is clear, let go of hold-to-run and reset"
+                .to_owned()
+        }
         ArmReason::TwoSenders => StopReason::TwoSenders.to_string(),
         ArmReason::SetPointRefused => StopReason::SetPointRefused.to_string(),
         ArmReason::ArmNotReady => FaultReason::ArmNotReady.to_string(),

@@ -13,7 +13,9 @@
 //!   is taken off, since the cycle in which a motion has grown too old may come one cycle late.
 //! - Buttons are states and counts, so a lost packet loses nothing: a stop is asked for as long as it is
 //!   pressed, a reset by a count that is another than before. The first packet of a session asks for none.
-//! - Whether a packet counts at all (its session, its number) was decided by the carrier.
+//! - Whether a packet counts at all (its session, its number) was decided by the carrier. Where it says
+//!   that the operator's session is another, the one before has ended: the arm comes to rest at once, and
+//!   takes a release and a press.
 
 use super::resetting::{Reset, Resetting};
 use super::settling::Settling;
@@ -40,6 +42,8 @@ pub struct LinkedSlave<C> {
     session: u32,
     sequence: u32,
     told_us: Option<u64>,
+    /// The session that the operator's packets are of.
+    operator: Option<u32>,
     buttons: Option<(ButtonsPacket, u64)>,
     resetting: Option<Resetting>,
     refused: Option<EnableThenReset>,
@@ -81,6 +85,7 @@ impl<C: Carrier> LinkedSlave<C> {
             session,
             sequence: 0,
             told_us: None,
+            operator: None,
             buttons: None,
             resetting: None,
             refused: None,
@@ -131,6 +136,13 @@ impl<C: Carrier> LinkedSlave<C> {
         self.resetting = None;
     }
 
+    /// The station ends: the arm comes to rest, and no reset of the operator changes that. To be called in
+    /// each cycle until it has.
+    pub const fn end(&mut self) {
+        self.station.end();
+        self.resetting = None;
+    }
+
     /// Somebody at the arm vouches for it that every joint is homed.
     pub fn confirm_homed(&mut self) {
         self.station.confirm_homed();
@@ -169,8 +181,17 @@ impl<C: Carrier> LinkedSlave<C> {
         }
     }
 
+    /// The carrier lets through packets of one session at a time: another has taken that one's place.
+    fn hear_session(&mut self, session: u32) {
+        let before = self.operator.replace(session);
+        if before.is_some_and(|before| before != session) {
+            self.station.end_sender();
+        }
+    }
+
     fn take_motion(&mut self, motion: &Received<MotionPacket>) {
         let Received { what, received_us, captured_us } = *motion;
+        self.hear_session(what.session);
         // what is refused is counted, and told with the state that it leads to
         if self.station.take(&what, received_us).is_ok() {
             self.trail.motion(&what, captured_us);
@@ -180,6 +201,7 @@ impl<C: Carrier> LinkedSlave<C> {
     }
 
     fn take_buttons(&mut self, buttons: ButtonsPacket, received_us: u64, now_us: u64) {
+        self.hear_session(buttons.session);
         let before = self.buttons.replace((buttons, received_us)).map(|(before, _)| before);
         self.station.hold_to_run(buttons.pressed, received_us);
         if buttons.stop {

@@ -46,7 +46,7 @@ pub fn serve<C: Carrier>(
         }
         if ends.is_some() {
             // again and again: the operator's reset does not end this stop
-            slave.stop();
+            slave.end();
         }
         let before = slave.command();
         let cycle = slave.cycle(clock);

@@ -99,6 +99,12 @@ impl SlaveStation {
         self.slave.take(&Command::new(packet, received_us))
     }
 
+    /// The operator has ended, and another may have begun: the arm comes to rest, and takes a release and
+    /// a press.
+    pub fn end_sender(&mut self) {
+        self.slave.end_sender();
+    }
+
     /// Takes the state of the operator's button; to be told again and again.
     pub fn hold_to_run(&mut self, pressed: bool, received_us: u64) {
         self.slave.hold_to_run(pressed, received_us);
@@ -107,6 +113,11 @@ impl SlaveStation {
     /// Stops the arm until it is reset: at once to rest within its limits.
     pub const fn stop(&mut self) {
         self.slave.stop();
+    }
+
+    /// [Stops](Self::stop) the arm because the station ends.
+    pub const fn end(&mut self) {
+        self.slave.end();
     }
 
     /// Ends a stop or a fault and, where that is needed and `may_enable` says so, has the arm switched
@@ -178,7 +189,7 @@ impl SlaveStation {
     /// # Errors
     /// [`PortError`] where the port cannot be told.
     pub fn shut_down(&mut self) -> Result<(), PortError> {
-        self.slave.stop();
+        self.slave.end();
         self.robot.stop()
     }
 

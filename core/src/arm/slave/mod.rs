@@ -141,6 +141,11 @@ impl<T: Real> Slave<T> {
         Ok(())
     }
 
+    /// The sender of commands has ended, and another may have begun ([`Teleop::end_sender`]).
+    pub fn end_sender(&mut self) {
+        self.teleop.end_sender();
+    }
+
     /// Takes the state of the operator's button ([`Teleop::hold_to_run`]).
     pub fn hold_to_run(&mut self, pressed: bool, received_us: u64) {
         self.teleop.hold_to_run(pressed, received_us);
@@ -149,6 +154,11 @@ impl<T: Real> Slave<T> {
     /// Stops the arm; it takes a reset to move it again ([`Teleop::stop`]).
     pub const fn stop(&mut self) {
         self.teleop.stop();
+    }
+
+    /// Stops the arm because the station ends.
+    pub const fn end(&mut self) {
+        self.teleop.stop_for(StopReason::Ending);
     }
 
     /// Stops the arm because its port refused a set-point.

@@ -108,7 +108,8 @@ const fn reason(status: Status) -> ArmReason {
     match status {
         Status::Engaged => ArmReason::None,
         Status::Stopped(StopReason::Started) => ArmReason::Started,
-        Status::Stopped(StopReason::Asked) => ArmReason::Asked,
+        // a station that ends is asked to: the link's end tells the rest
+        Status::Stopped(StopReason::Asked | StopReason::Ending) => ArmReason::Asked,
         Status::Stopped(StopReason::TwoSenders) => ArmReason::TwoSenders,
         Status::Stopped(StopReason::SetPointRefused) => ArmReason::SetPointRefused,
         Status::Fault(FaultReason::ArmNotReady) => ArmReason::ArmNotReady,

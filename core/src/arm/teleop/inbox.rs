@@ -100,6 +100,13 @@ impl Inbox {
         Ok(admitted)
     }
 
+    /// The sender that is listened to has ended: the next command is of whoever comes.
+    pub(super) fn end_sender(&mut self) {
+        if let Some(sender) = self.sender.take() {
+            self.retire(sender.session);
+        }
+    }
+
     /// The clock was set to `now_us`: nothing came later than that.
     pub(super) fn rewind(&mut self, now_us: u64) {
         if let Some(sender) = &mut self.sender {

@@ -198,6 +198,17 @@ impl<T: Real> Teleop<T> {
         Ok(())
     }
 
+    /// The sender of commands has ended, and another may have begun in its place: known from what carries
+    /// them, without waiting for a silence. The arm comes to rest, and it takes a release and a press
+    /// of whoever is next. What is left of the old session is refused.
+    pub fn end_sender(&mut self) {
+        self.inbox.end_sender();
+        self.forget_commands();
+        if matches!(self.phase, Phase::Armed(_) | Phase::Running(_)) {
+            self.phase = Phase::Armed(ArmedReason::NewSender);
+        }
+    }
+
     /// Takes the state of the operator's button, heard at `received_us` of this receiver's clock. To be
     /// told again and again, also while nothing changes: silence makes the arm hold.
     pub fn hold_to_run(&mut self, pressed: bool, received_us: u64) {

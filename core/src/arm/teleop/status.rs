@@ -47,6 +47,8 @@ pub enum StopReason {
     TwoSenders,
     /// The arm's port refused a set-point: limits and port do not agree on what the arm can do.
     SetPointRefused,
+    /// The slave's program ends.
+    Ending,
 }
 
 /// Why there is a fault.
@@ -136,6 +138,7 @@ impl fmt::Display for StopReason {
         f.write_str(match self {
             Self::Started => "just started; let go of hold-to-run and reset",
             Self::Asked => "stop was pressed; when all is clear, let go of hold-to-run and reset",
+            Self::Ending => "the slave station ends",
             Self::SetPointRefused => {
                 "the arm's port refused a set-point; make the limits and the rate of tetrad.toml those of \
                  the port, let go of hold-to-run and reset"

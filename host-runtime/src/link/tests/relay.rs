@@ -5,19 +5,19 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Between one who dials and one who is dialled.
-struct Relay {
-    address: SocketAddr,
+pub(super) struct Relay {
+    pub(super) address: SocketAddr,
     /// What the dialler's side is known by to the other.
     socket: UdpSocket,
     to: SocketAddr,
-    cut: Arc<AtomicBool>,
+    pub(super) cut: Arc<AtomicBool>,
     recorded: Arc<Mutex<Vec<Vec<u8>>>>,
     stop: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
 }
 
 impl Relay {
-    fn start(to: SocketAddr) -> Self {
+    pub(super) fn start(to: SocketAddr) -> Self {
         let bind = || {
             let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
             socket.set_read_timeout(Some(Duration::from_millis(20))).unwrap();

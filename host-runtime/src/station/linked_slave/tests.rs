@@ -4,6 +4,7 @@
 use super::*;
 use crate::link::faulty::{Faults, FaultyEnd, pair};
 use crate::robot::simulated::{Mischief, SimulatedArm, SimulatedOptions};
+use crate::station::arm_words;
 use tetrad_core::arm::teleop::State;
 use tetrad_core::hand::state::PoseState;
 use tetrad_core::wire::{ArmReason, ArmState, ArmStatePacket, ControllerState, Settled, Transform};
@@ -317,6 +318,46 @@ fn another_session_of_the_operator_moves_nothing_without_a_press() {
     assert_eq!(told.command.unwrap().session, OPERATOR + 1);
     let settled = told.settled.map(|settled| settled.sequence);
     assert!(settled.is_none_or(|sequence| sequence <= told.command.unwrap().sequence), "{settled:?}");
+}
+
+/// Started again sooner than its silence could be noticed: no second operator, and no jump.
+#[test]
+fn an_operator_that_starts_again_at_once_takes_over_and_needs_a_press() {
+    for gap_ms in [0, 40, 90, 300, 450] {
+        let mut rig = Rig::new(10_000, [NONE; 2]).following();
+        rig.sends = (false, false);
+        rig.run_ms(gap_ms);
+        rig.sends = (true, true);
+        rig.slave.carrier.begin(OPERATOR + 1).unwrap();
+        // its button is held, its hand is elsewhere, its numbers begin anew
+        rig.buttons = ButtonsPacket { session: OPERATOR + 1, ..rig.buttons };
+        (rig.sequence, rig.began_us) = (0, rig.clock.now_us() - 2_000_000);
+        let heard_us = rig.heard_us();
+        rig.run_ms(300);
+        assert!(rig.stopped_us.unwrap() - heard_us <= 100_000, "{gap_ms}");
+        assert_eq!((rig.told().state, rig.told().reason), (ArmState::Armed, ArmReason::NewSender));
+        let governed = rig.last.unwrap().step.governed.unwrap();
+        rig.run_ms(1_000);
+        assert_eq!(rig.last.unwrap().step.governed.unwrap().set_point, governed.set_point, "it stands");
+        rig.buttons.pressed = false;
+        rig.run_ms(100);
+        rig.buttons.pressed = true;
+        rig.run_ms(100);
+        assert_eq!((rig.state(), rig.slave.counts().another_sender), (State::Engaged, 0));
+    }
+}
+
+#[test]
+fn a_station_that_ends_stops_for_good_and_says_so() {
+    let mut rig = Rig::new(10_000, [NONE; 2]).following();
+    for _ in 0..40 {
+        rig.slave.end();
+        rig.buttons.resets += 1;
+        rig.run_ms(10);
+    }
+    let status = rig.last.unwrap().step.decision.status;
+    assert_eq!(status.to_string(), "stopped: the slave station ends");
+    assert!(arm_words::standing(rig.told()).contains("or the slave station ends"));
 }
 
 #[test]

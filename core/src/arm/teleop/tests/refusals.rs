@@ -104,6 +104,44 @@ fn a_station_that_starts_anew_takes_a_fresh_press_and_its_past_is_dropped() {
 }
 
 #[test]
+fn a_station_whose_end_is_known_is_followed_by_another_at_once_and_that_takes_a_fresh_press() {
+    for state in [State::Engaged, State::Armed] {
+        let mut rig = Rig::<f64>::engaged(&TeleopConfig::default());
+        if state == State::Armed {
+            rig.release();
+            rig.step();
+        }
+        let replayed = Command { received_us: 0, ..rig.sender.command(rig.now_us) };
+        rig.teleop.end_sender();
+        assert_eq!(rig.step().status, Status::Armed(ArmedReason::NewSender), "{state:?}");
+        // the next begins with its button held
+        rig.sender = Sender { session: 8, sequence: 0, engaged: true, ..rig.sender };
+        for _ in 0..3 {
+            rig.button(true);
+            rig.frame();
+            assert_eq!(rig.step().order, Order::Stop);
+        }
+        let late = Command { received_us: rig.now_us, ..replayed };
+        assert_eq!(rig.teleop.take(&late), Err(CommandRefusal::OldSession));
+        assert_eq!(rig.step().status.state(), State::Armed, "what is left of the old one stops nothing");
+        rig.release();
+        rig.press();
+        assert_eq!(rig.step().status, Status::Engaged);
+        assert_eq!(rig.teleop.counts().another_sender, 0);
+    }
+}
+
+#[test]
+fn the_end_of_a_sender_ends_no_stop() {
+    let mut rig = Rig::<f64>::engaged(&TeleopConfig::default());
+    rig.teleop.stop();
+    rig.teleop.end_sender();
+    assert_eq!(rig.step().status, Status::Stopped(StopReason::Asked));
+    rig.teleop.stop_for(StopReason::Ending);
+    assert_eq!(rig.step().status, Status::Stopped(StopReason::Ending));
+}
+
+#[test]
 fn a_hand_that_is_somewhere_else_all_at_once_moves_nothing() {
     let mut rig = Rig::<f64>::engaged(&TeleopConfig::default());
     rig.move_hand(Vector3::new(0.05, 0.0, 0.0));

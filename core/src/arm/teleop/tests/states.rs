@@ -280,7 +280,8 @@ fn every_reason_says_what_to_do() {
         bad[0],
         bad[1],
     ];
-    let stops = [StopReason::Started, StopReason::Asked, StopReason::TwoSenders].map(Status::Stopped);
+    let stops = [StopReason::Started, StopReason::Asked, StopReason::TwoSenders, StopReason::Ending]
+        .map(Status::Stopped);
     let faults = [
         FaultReason::ArmNotReady,
         FaultReason::Arm,
