@@ -160,10 +160,10 @@ fn two_stations_show_the_same_moment() {
         for (left_u, right_u) in &pairs {
             assert!((left_u - right_u).abs() < 0.1, "{pairs:?}");
         }
-        (pairs.len() >= 10).then_some(())
+        // the hand rests now and then, and moments of rest show nothing
+        let (least, most) = left.iter().fold((f32::MAX, 0.0_f32), |(a, b), (_, u)| (a.min(*u), b.max(*u)));
+        (pairs.len() >= 10 && most - least > 20.0).then_some(())
     });
-    let (least, most) = seen[0].iter().fold((f32::MAX, 0.0_f32), |(a, b), (_, u)| (a.min(*u), b.max(*u)));
-    assert!(most - least > 20.0, "the hand moves: {least} to {most}");
 }
 
 #[test]

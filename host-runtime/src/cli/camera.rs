@@ -75,8 +75,8 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
 }
 
 fn start(network: &NetworkSettings, clock: &Clock) -> Result<Link, Failure> {
-    let identity = network.identity().or_exit(Exit::BadArguments)?;
-    network.start(&identity, clock.clone()).or_exit(Exit::BadArguments)
+    let identity = network.identity()?;
+    network.start(&identity, clock.clone())
 }
 
 /// Picture after picture, until somebody or something ends it.

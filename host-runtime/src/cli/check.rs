@@ -1,5 +1,7 @@
 //! `tetrad check`: what a station's file means, before anything is opened or moves.
 
+mod notes;
+
 use super::say;
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::settings::Start;
@@ -16,7 +18,9 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   tetrad check --config tetrad.toml
 It reads the file, the colours and keys that it names, and says what each station that runs with it
-would do. An error names the key and what would mend it. docs/stations.md lists the keys.";
+would do. It opens no device and moves nothing. An error names the key and what would mend it; a note says
+what is not as it should be on this computer at the moment, such as a camera that is not plugged in.
+docs/stations.md lists the keys.";
 
 /// The flags of `tetrad check`.
 #[derive(Args, Clone, Debug)]
@@ -31,7 +35,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
     let settings = StationSettings::load(&args.config).or_exit(Exit::BadArguments)?;
     match &settings.network {
         Some(network) => {
-            network.identity().or_exit(Exit::BadArguments)?;
+            network.identity()?;
             tell_network(network);
         }
         None => row("station", "alone: without [station] it talks to nobody"),
@@ -54,6 +58,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
         ))
         .help("docs/stations.md has a whole file for each station"));
     }
+    notes::notes(&settings).iter().for_each(|note| row("note", note));
     row("ready for", ready.join(", "));
     Ok(())
 }
@@ -145,7 +150,7 @@ fn tell_slave(slave: &SlaveSettings, here: bool) {
     let address = arm.port.clone().unwrap_or_default();
     let moves = if address.moves_an_arm() { "moves a real arm" } else { "moves no real arm" };
     row("arm", format_args!("at {address}, {moves}"));
-    match operator {
+    match operator.as_ref().filter(|_| !here) {
         Some(name) => row("driven by", format_args!("the station {name} alone")),
         None if here => row("driven by", "this very station"),
         None => row("driven by", "packets of `tetrad track` from a pipe or a file"),

@@ -1,9 +1,9 @@
 //! The operator's terminal: the space bar as hold-to-run, and a stop that is always there.
 //!
-//! A terminal tells that a key is down only by repeating it, and most tell nothing when it is let go.
-//! So the bar counts as held for [`FIRST_REPEAT`] after it was first struck, which is longer than
-//! keyboards wait before they repeat, and for [`NEXT_REPEAT`] after each repeat. Terminals that do tell
-//! (kitty's protocol) are believed at once.
+//! A terminal tells that a key is down only by repeating it, and most tell nothing when it is let go. So
+//! the bar counts as held from its first repeat on, and after each repeat for twice as long as the
+//! repeats lately were apart, [`LONGEST_GAP`] at most: a mere tap moves nothing, and a release is known
+//! soon. Terminals that do tell (kitty's protocol) are believed at once, both ways.
 
 use crossterm::event::{
     self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers, KeyboardEnhancementFlags,
@@ -17,7 +17,13 @@ use std::time::{Duration, Instant};
 const FIRST_REPEAT: Duration = Duration::from_millis(700);
 
 /// Two repeats of the slowest usual rate (10.9 a second on a Linux console).
-const NEXT_REPEAT: Duration = Duration::from_millis(200);
+const LONGEST_GAP: Duration = Duration::from_millis(200);
+
+/// Two repeats of the fastest usual rate (30 a second), and what a busy computer may hold one up.
+const SHORTEST_GAP: Duration = Duration::from_millis(80);
+
+/// So many gaps between repeats tell how far apart they are.
+const GAPS: usize = 4;
 
 /// What the operator did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,17 +41,44 @@ pub(in crate::cli) enum Key {
 /// How long the space bar counts as held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Held {
+    /// The terminal tells when it is let go.
+    tells_releases: bool,
+    struck: Option<Instant>,
+    /// The last gaps between its repeats, the newest first.
+    gaps: [Option<Duration>; GAPS],
     until: Option<Instant>,
 }
 
 impl Held {
     fn strike(&mut self, now: Instant) {
+        if self.until.is_some_and(|until| now >= until) {
+            // it was let go meanwhile
+            self.let_go();
+        }
+        let gap = self.struck.replace(now).map(|before| now.saturating_duration_since(before));
         let repeated = self.is_held(now);
-        self.until = Some(now + if repeated { NEXT_REPEAT } else { FIRST_REPEAT });
+        self.until = match gap {
+            Some(gap) if repeated => {
+                self.gaps.rotate_right(1);
+                self.gaps[0] = Some(gap);
+                Some(now + self.next_repeat())
+            }
+            // the first repeat
+            Some(gap) if gap < FIRST_REPEAT && !self.tells_releases => Some(now + LONGEST_GAP),
+            // a first strike, which may be a mere tap where nobody tells of its end
+            _ => self.tells_releases.then(|| now + FIRST_REPEAT),
+        };
+    }
+
+    /// How long to wait for the next repeat.
+    fn next_repeat(&self) -> Duration {
+        let known = self.gaps.iter().flatten();
+        let largest = if self.gaps.contains(&None) { None } else { known.max() };
+        largest.map_or(LONGEST_GAP, |gap| (*gap * 2).clamp(SHORTEST_GAP, LONGEST_GAP))
     }
 
     const fn let_go(&mut self) {
-        self.until = None;
+        *self = Self { tells_releases: self.tells_releases, struck: None, gaps: [None; GAPS], until: None };
     }
 
     fn is_held(&self, now: Instant) -> bool {
@@ -57,7 +90,8 @@ impl Held {
 #[derive(Debug)]
 pub(in crate::cli) struct Keyboard {
     held: Held,
-    tells_releases: bool,
+    /// The bar was struck and nobody has asked yet.
+    struck: bool,
 }
 
 impl Keyboard {
@@ -69,7 +103,7 @@ impl Keyboard {
         terminal::enable_raw_mode()?;
         // whoever does not answer does not tell
         let tells_releases = terminal::supports_keyboard_enhancement().unwrap_or(false);
-        let keyboard = Self { held: Held::default(), tells_releases };
+        let keyboard = Self { held: Held { tells_releases, ..Held::default() }, struck: false };
         if tells_releases {
             let flags = KeyboardEnhancementFlags::REPORT_EVENT_TYPES
                 | KeyboardEnhancementFlags::REPORT_ALL_KEYS_AS_ESCAPE_CODES;
@@ -98,6 +132,11 @@ impl Keyboard {
         self.held.is_held(now)
     }
 
+    /// Whether the space bar was struck since this was last asked, held or not.
+    pub(in crate::cli) const fn take_strike(&mut self) -> bool {
+        std::mem::replace(&mut self.struck, false)
+    }
+
     fn key(&mut self, event: KeyEvent, now: Instant) -> Option<Key> {
         let control = event.modifiers.contains(KeyModifiers::CONTROL);
         let key = match (event.code, event.kind) {
@@ -108,6 +147,7 @@ impl Keyboard {
             (_, KeyEventKind::Release) => return None,
             (KeyCode::Char(' '), _) => {
                 self.held.strike(now);
+                self.struck = true;
                 return None;
             }
             (KeyCode::Char('c' | 'q'), _) if control => Key::Quit,
@@ -125,7 +165,7 @@ impl Keyboard {
 impl Drop for Keyboard {
     fn drop(&mut self) {
         // the terminal may be gone already; there is nobody left to tell
-        if self.tells_releases {
+        if self.held.tells_releases {
             let _ = execute!(io::stderr(), PopKeyboardEnhancementFlags);
         }
         let _ = terminal::disable_raw_mode();
@@ -136,36 +176,82 @@ impl Drop for Keyboard {
 mod tests {
     use super::*;
 
-    fn keyboard() -> Keyboard {
-        Keyboard { held: Held::default(), tells_releases: false }
+    fn keyboard(tells_releases: bool) -> Keyboard {
+        Keyboard { held: Held { tells_releases, ..Held::default() }, struck: false }
     }
+
+    const MS: Duration = Duration::from_millis(1);
 
     fn press(code: KeyCode) -> KeyEvent {
         KeyEvent::new(code, KeyModifiers::NONE)
     }
 
-    #[test]
-    fn the_bar_is_held_until_its_repeats_stay_away() {
-        let mut held = Held::default();
-        let start = Instant::now();
-        assert!(!held.is_held(start));
-        held.strike(start);
-        assert!(held.is_held(start + Duration::from_millis(690)), "before the first repeat");
-        let mut now = start + Duration::from_millis(660);
-        for _ in 0..20 {
+    /// Strikes the bar so often, so far apart; when it was struck last.
+    fn strikes(held: &mut Held, mut now: Instant, apart: Duration, count: u32) -> Instant {
+        for _ in 0..count {
+            now += apart;
             held.strike(now);
-            now += Duration::from_millis(92);
             assert!(held.is_held(now));
         }
-        assert!(!held.is_held(now + NEXT_REPEAT), "let go");
+        now
+    }
+
+    #[test]
+    fn a_tap_is_no_hold_and_the_first_repeat_is() {
+        let mut held = Held::default();
+        let start = Instant::now();
+        held.strike(start);
+        assert!(!held.is_held(start), "it may be a mere tap");
+        let repeated = start + 660 * MS;
+        assert!(!held.is_held(repeated));
+        held.strike(repeated);
+        assert!(held.is_held(repeated) && held.is_held(repeated + 199 * MS));
+        let mut taps = Held::default();
+        for tap in 0..5 {
+            let now = start + tap * FIRST_REPEAT;
+            taps.strike(now);
+            assert!(!taps.is_held(now), "two taps are no repeat");
+        }
+    }
+
+    #[test]
+    fn the_bar_is_held_until_its_repeats_stay_away() {
+        let start = Instant::now();
+        // (apart, let go after): keyboards of 30, 25 and 10.9 repeats a second
+        for (apart, gone) in [(33, 80), (40, 80), (45, 90), (92, 184), (150, 200)] {
+            let mut held = Held::default();
+            held.strike(start);
+            let repeated = start + 500 * MS;
+            held.strike(repeated);
+            let last = strikes(&mut held, repeated, apart * MS, 20);
+            assert!(held.is_held(last + (gone - 1) * MS), "{apart} ms apart");
+            assert!(!held.is_held(last + gone * MS), "{apart} ms apart");
+        }
+    }
+
+    #[test]
+    fn a_late_repeat_is_waited_for_and_the_next_hold_begins_anew() {
+        let mut held = Held::default();
+        let start = Instant::now();
+        held.strike(start);
+        held.strike(start + 300 * MS);
+        let last = strikes(&mut held, start + 300 * MS, 33 * MS, 10);
+        // one came late: so may the next
+        let late = strikes(&mut held, last, 75 * MS, 1);
+        assert!(held.is_held(late + 149 * MS) && !held.is_held(late + 150 * MS));
+        let last = strikes(&mut held, late, 33 * MS, 4);
+        assert!(!held.is_held(last + SHORTEST_GAP));
+        held.strike(last + 300 * MS);
+        assert!(!held.is_held(last + 300 * MS), "a tap again");
     }
 
     #[test]
     fn a_release_that_is_told_counts_at_once() {
-        let mut keyboard = keyboard();
+        let mut keyboard = keyboard(true);
         let now = Instant::now();
         assert_eq!(keyboard.key(press(KeyCode::Char(' ')), now), None);
-        assert!(keyboard.is_held(now));
+        assert!(keyboard.is_held(now) && keyboard.is_held(now + 690 * MS), "before the first repeat");
+        assert!(keyboard.take_strike() && !keyboard.take_strike());
         let release = KeyEvent::new_with_kind(KeyCode::Char(' '), KeyModifiers::NONE, KeyEventKind::Release);
         assert_eq!(keyboard.key(release, now), None);
         assert!(!keyboard.is_held(now));
@@ -182,7 +268,7 @@ mod tests {
             (KeyCode::Char('h'), Key::Homed),
             (KeyCode::Char('q'), Key::Quit),
         ] {
-            let mut keyboard = keyboard();
+            let mut keyboard = keyboard(true);
             let _ = keyboard.key(press(KeyCode::Char(' ')), now);
             assert_eq!(keyboard.key(press(code), now), Some(key));
             assert!(!keyboard.is_held(now), "{code:?}");

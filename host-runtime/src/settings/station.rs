@@ -62,9 +62,21 @@ impl StationSettings {
             file: file.to_owned(),
             camera: toml.camera.as_ref().map(|camera| camera.checked("[camera]", dir)).transpose()?,
             operator: toml.operator.as_ref().map(|operator| operator.checked(dir)).transpose()?,
-            slave: SlaveSettings::checked(toml)?,
+            slave: SlaveSettings::checked(toml, dir)?,
             network,
         };
+        if settings.camera.is_some() && settings.network.is_none() {
+            let mend = "there is no [station], and a camera station needs it: docs/stations.md has a whole \
+                        file for each station";
+            return Err(("[camera]".to_owned(), mend.to_owned()));
+        }
+        let here = settings.operator.as_ref().is_some_and(|operator| operator.slave == SlavePlace::Here);
+        if let Some(name) = settings.slave.operator.as_ref().filter(|_| here) {
+            let mend = format!(
+                "the arm is moved from here ([operator] slave = \"here\"), not by {name} too: leave one of both out"
+            );
+            return Err(("[slave] operator".to_owned(), mend));
+        }
         for (key, name) in settings.peers_meant() {
             let known = settings.network.as_ref().is_some_and(|network| network.has_peer(name));
             if !known {

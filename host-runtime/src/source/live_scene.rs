@@ -43,13 +43,7 @@ impl LiveScene {
     /// [`SourceError::BadArgument`] for a name no scene has, one this camera does not see, a format its
     /// size does not allow, and a rate outside of 1 to 1000.
     pub fn open(spec: &str, name: &str, format: PixelFormat, options: &Options) -> Result<Self, SourceError> {
-        let mut scene = simulated::find(spec, name, options.view, format)?;
-        let fps = options.fps.unwrap_or(scene.fps);
-        if !RATES.contains(&fps) {
-            let (least, most) = RATES.into_inner();
-            let reason = format!("{fps} frames a second: a scene is played at {least} to {most}");
-            return Err(SourceError::argument(spec, reason));
-        }
+        let (mut scene, fps) = Self::find(spec, name, format, options)?;
         let lasts_s = scene.frames as f64 / scene.fps;
         scene.frames = ((lasts_s * fps) as usize).max(1);
         scene.fps = fps;
@@ -66,6 +60,26 @@ impl LiveScene {
             labels: Labels::Order,
         };
         Ok(Self { info, playback: Playback::new(pictures.len(), fps), pictures, delivered: 0 })
+    }
+
+    /// The scene, and the rate at which it would be played.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub(super) fn find(
+        spec: &str,
+        name: &str,
+        format: PixelFormat,
+        options: &Options,
+    ) -> Result<(Scene, f64), SourceError> {
+        let scene = simulated::find(spec, name, options.view, format)?;
+        let fps = options.fps.unwrap_or(scene.fps);
+        if !RATES.contains(&fps) {
+            let (least, most) = RATES.into_inner();
+            let reason = format!("{fps} frames a second: a scene is played at {least} to {most}");
+            return Err(SourceError::argument(spec, reason));
+        }
+        Ok((scene, fps))
     }
 }
 

@@ -223,6 +223,20 @@ pub fn open_live(spec: &str, options: &Options) -> Result<Box<dyn Source>, Sourc
     }
 }
 
+/// What `spec` names, if [`open_live`] could open it as far as that is known beforehand: no device is
+/// opened, and whether one is there is not asked.
+///
+/// # Errors
+/// As [`open_live`].
+pub fn check_live(spec: &str, options: &Options) -> Result<Spec, SourceError> {
+    check_fps(spec, options)?;
+    let what = Spec::parse(spec)?;
+    if let Spec::Simulated { name, format } = &what {
+        LiveScene::find(spec, name, *format, options)?;
+    }
+    Ok(what)
+}
+
 fn check_fps(spec: &str, options: &Options) -> Result<(), SourceError> {
     match options.fps {
         Some(fps) if !(fps > 0.0 && fps <= MAX_FPS) => Err(SourceError::argument(

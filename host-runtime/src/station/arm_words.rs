@@ -55,6 +55,13 @@ pub fn limits(packet: &ArmStatePacket) -> Vec<String> {
     notes.chain(Limits::from_bits(packet.limits).iter().map(|limit| limit.to_string())).collect()
 }
 
+/// Whether the arm stands because it was not started yet, or because somebody stopped it.
+#[must_use]
+pub const fn is_asked(packet: &ArmStatePacket) -> bool {
+    matches!(packet.state, ArmState::Stopped)
+        && matches!(packet.reason, ArmReason::Started | ArmReason::Asked)
+}
+
 /// The law's word for a state.
 #[must_use]
 pub const fn state_name(state: ArmState) -> &'static str {

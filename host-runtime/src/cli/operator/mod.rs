@@ -110,8 +110,8 @@ pub(super) fn run(args: &OperatorArgs) -> Result<(), Failure> {
     let clock = Clock::wall();
     let link = match &settings.network {
         Some(network) => {
-            let identity = network.identity().or_exit(Exit::BadArguments)?;
-            Some(network.start(&identity, clock.clone()).or_exit(Exit::BadArguments)?)
+            let identity = network.identity()?;
+            Some(network.start(&identity, clock.clone())?)
         }
         None => None,
     };

@@ -17,7 +17,7 @@ use crate::robot::clock::Clock;
 use crate::station::operator::{Buttons, OperatorTurn};
 use crate::station::{Operator, SlaveAnnouncement, arm_words};
 use std::time::{Duration, Instant};
-use tetrad_core::wire::{ArmState, ArmStatePacket};
+use tetrad_core::wire::{ArmState, ArmStatePacket, ControllerState};
 
 /// Keys are looked at so often while nothing comes.
 const KEYS: Duration = Duration::from_millis(10);
@@ -57,6 +57,8 @@ pub(super) struct Run {
     chores_us: u64,
     slave_heard_us: Option<u64>,
     arm: Option<ArmStatePacket>,
+    /// What a slave of this process came to.
+    slave_lines: Vec<(&'static str, String)>,
 }
 
 impl Run {
@@ -73,6 +75,7 @@ impl Run {
             chores_us: 0,
             slave_heard_us: None,
             arm: None,
+            slave_lines: Vec::new(),
         }
     }
 
@@ -104,22 +107,27 @@ impl Run {
         let judged = ended.and_then(|()| self.judge());
         self.let_go();
         self.memory.end = resident_kb();
-        let slave = self.parts.slave.end();
-        let written = self.finish_record();
-        for line in slave? {
-            self.print(&format!("arm             {line}"));
-        }
-        written.map_err(|error| Failure::new(Exit::Failed, error))?;
-        judged
+        let slave = self.end_slave();
+        let written = self.finish_record().map_err(|error| Failure::new(Exit::Failed, error));
+        judged.and(slave).and(written)
+    }
+
+    /// Ends a slave of this process, where there is one that has not ended.
+    fn end_slave(&mut self) -> Result<(), Failure> {
+        let Some(overseen) = self.parts.slave.end()? else { return Ok(()) };
+        self.slave_lines = overseen.lines;
+        overseen.trouble.map_or(Ok(()), |trouble| Err(trouble.into()))
     }
 
     /// What came, what is due.
     fn turn(&mut self, now_us: u64) -> Result<Wish, Failure> {
         let wish = self.parts.hold.keys(Instant::now())?;
         if wish == Wish::Homed {
-            self.print(
-                "whether its joints are homed is for somebody at the arm to say: h at the slave's terminal",
-            );
+            self.print(if self.parts.slave.confirm_homed() {
+                "the arm is told that its joints are homed"
+            } else {
+                "whether its joints are homed is for somebody at the arm to say: h at the slave's terminal"
+            });
         }
         for (at, camera) in self.parts.cameras.0.iter_mut().enumerate() {
             if let Some(observation) = camera.observation() {
@@ -183,7 +191,7 @@ impl Run {
         lines.extend(self.talk.live(&links, self.pictures.ages(now_us), now_us));
         lines.iter().for_each(|line| self.print(line));
         if self.parts.slave.is_over() {
-            self.parts.slave.end()?;
+            self.end_slave()?;
             return Err(Failure::new(
                 Exit::Failed,
                 anyhow::anyhow!("the slave of this process has ended by itself"),
@@ -196,27 +204,23 @@ impl Run {
         Ok(over.is_some())
     }
 
-    /// Whether all is well at the end of a run that nobody watched.
+    /// Whether all is well at the end. A stop that somebody asked for is no failure where somebody holds
+    /// the keys; nobody's run is to end in one.
     fn judge(&self) -> Result<(), Failure> {
-        if self.parts.hold.is_keyboard() {
-            return Ok(());
-        }
         if !self.parts.slave.is_connected() || self.arm.is_none() {
             let cause = anyhow::anyhow!("the slave is not there at the end of the run");
             return Err(
                 Failure::new(Exit::DeviceLost, cause).help("look at its own messages, and at its cable")
             );
         }
-        match &self.arm {
-            Some(arm) if matches!(arm.state, ArmState::Stopped | ArmState::Fault) => {
-                let words = arm_words::standing(arm);
-                Err(Failure::new(
-                    Exit::Safety,
-                    anyhow::anyhow!("the arm stands at the end of the run: {words}"),
-                ))
-            }
-            _ => Ok(()),
+        let Some(arm) = &self.arm else { return Ok(()) };
+        let asked = self.parts.hold.is_keyboard() && arm_words::is_asked(arm);
+        if asked || !matches!(arm.state, ArmState::Stopped | ArmState::Fault) {
+            return Ok(());
         }
+        let exit = if arm.controller == ControllerState::Lost { Exit::DeviceLost } else { Exit::Safety };
+        let words = arm_words::standing(arm);
+        Err(Failure::new(exit, anyhow::anyhow!("the arm stands at the end of the run: {words}")))
     }
 
     /// The button is let go, and the slave hears of it.
@@ -268,6 +272,8 @@ impl Run {
     /// Gives the terminal and the devices back; what there is to tell.
     pub(super) fn end(self) -> Vec<String> {
         let Parts { station, cameras, slave, link, .. } = &self.parts;
-        report::lines(station, cameras, slave, link.as_ref(), &self.pictures, self.memory)
+        let mut lines = report::lines(station, cameras, slave, link.as_ref(), &self.pictures, self.memory);
+        lines.extend(self.slave_lines.iter().map(|(label, line)| format!("{label:<15} {line}")));
+        lines
     }
 }

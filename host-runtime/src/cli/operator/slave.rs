@@ -3,6 +3,7 @@
 use super::HoldToRun;
 use crate::cli::slave::linked::no_scene;
 use crate::cli::slave::open_port;
+use crate::cli::slave::talk::change;
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::inbox::Inbox;
 use crate::link::local::{self, LocalEnd};
@@ -10,11 +11,12 @@ use crate::link::{Carrier, Doorbell, Link, Peer, Picture, Received, StationName}
 use crate::output::ArmCsv;
 use crate::robot::clock::Clock;
 use crate::settings::station::SlaveSettings;
-use crate::station::{LinkedSlave, SceneCameras, SlaveAnnouncement, serve};
+use crate::station::{Cycle, LinkedSlave, Overseen, Overseer, SceneCameras, SlaveAnnouncement};
 use anyhow::Context as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use tetrad_core::arm::teleop::State;
 use tetrad_core::wire::{EncodeError, Packet};
 
 /// See the [module's text](self).
@@ -26,13 +28,19 @@ pub(super) enum SlaveLine {
 /// A slave in a thread of this process.
 pub(super) struct SlaveThread {
     end: LocalEnd,
-    stop: Arc<AtomicBool>,
-    notices: Arc<Mutex<Vec<String>>>,
-    thread: Option<JoinHandle<Result<Vec<String>, Failure>>>,
+    desk: Arc<Desk>,
+    thread: Option<JoinHandle<Overseen>>,
 }
 
-/// How often the cameras of the scene and refused resets are asked what there is to tell, microseconds.
-const LOOK_US: u64 = 50_000;
+/// What the thread and the operator's loop have in common.
+#[derive(Debug, Default)]
+struct Desk {
+    /// The arm is to come to rest and the thread to end.
+    end: AtomicBool,
+    /// Somebody has said that the joints are homed.
+    homed: AtomicBool,
+    notices: Mutex<Vec<String>>,
+}
 
 /// Refuses to press the button by itself where an arm would move.
 pub(super) fn check_hold(settings: &SlaveSettings, hold: HoldToRun) -> Result<(), Failure> {
@@ -71,25 +79,35 @@ impl SlaveLine {
         }
         let scene = SceneCameras::start(&settings.cameras, &config.puma, &theirs, session, clock);
         let work = Work {
-            scene: scene.map_err(no_scene)?,
+            overseer: Overseer::new(scene.map_err(no_scene)?, record, clock),
+            notice: port.notice(),
             slave: LinkedSlave::new(&config, port, theirs, session).or_exit(Exit::BadArguments)?,
-            record,
             cycle_us: config.governor.cycle_us,
-            clock: clock.clone(),
-            stop: Arc::default(),
-            notices: Arc::default(),
+            desk: Arc::default(),
         };
-        let (stop, notices) = (Arc::clone(&work.stop), Arc::clone(&work.notices));
+        let desk = Arc::clone(&work.desk);
         let thread = std::thread::Builder::new().name("slave".to_owned()).spawn(move || work.all());
         let thread = thread.context("the slave's thread cannot be started").or_exit(Exit::Failed)?;
-        Ok(Self::Here(SlaveThread { end, stop, notices, thread: Some(thread) }))
+        Ok(Self::Here(SlaveThread { end, desk, thread: Some(thread) }))
+    }
+
+    /// Somebody at the operator's keys vouches for the joints; whether that counts, which it does where
+    /// the arm is at the same computer.
+    pub(super) fn confirm_homed(&self) -> bool {
+        match self {
+            Self::Station(_) => false,
+            Self::Here(here) => {
+                here.desk.homed.store(true, Ordering::Relaxed);
+                true
+            }
+        }
     }
 
     /// What a slave of this process has to tell.
     pub(super) fn notices(&self) -> Vec<String> {
         match self {
             Self::Station(_) => Vec::new(),
-            Self::Here(here) => std::mem::take(&mut *lock(&here.notices)),
+            Self::Here(here) => std::mem::take(&mut *here.desk.notices()),
         }
     }
 
@@ -114,10 +132,10 @@ impl SlaveLine {
         }
     }
 
-    /// Ends a slave of this process: its arm comes to rest. What its port has to report.
-    pub(super) fn end(&mut self) -> Result<Vec<String>, Failure> {
+    /// Ends a slave of this process: its arm comes to rest. What its run came to, once.
+    pub(super) fn end(&mut self) -> Result<Option<Overseen>, Failure> {
         match self {
-            Self::Station(_) => Ok(Vec::new()),
+            Self::Station(_) => Ok(None),
             Self::Here(here) => here.join(),
         }
     }
@@ -126,52 +144,48 @@ impl SlaveLine {
 /// What the thread works with.
 struct Work {
     slave: LinkedSlave<LocalEnd>,
-    scene: SceneCameras,
-    record: Option<ArmCsv>,
+    overseer: Overseer,
+    notice: Option<String>,
     cycle_us: u32,
-    clock: Clock,
-    stop: Arc<AtomicBool>,
-    notices: Arc<Mutex<Vec<String>>>,
+    desk: Arc<Desk>,
 }
 
 impl Work {
-    fn all(self) -> Result<Vec<String>, Failure> {
-        let Self { mut slave, scene, mut record, cycle_us, clock, stop, notices } = self;
-        let (began_us, mut looked_us) = (clock.now_us(), 0);
-        let served = serve(&mut slave, cycle_us, &clock, &stop, |slave, cycle| {
-            let now_us = clock.now_us();
-            if let Some(reading) = &cycle.reading.joints {
-                scene.arm_is_at(&reading.joints, now_us.saturating_sub(u64::from(reading.age_us)));
+    fn all(self) -> Overseen {
+        let Self { mut slave, overseer, notice, cycle_us, desk } = self;
+        desk.notices().extend(notice);
+        let mut told = None;
+        let mut overseen = overseer.serve(&mut slave, cycle_us, &desk.end, |slave, cycle, lines| {
+            if desk.homed.swap(false, Ordering::Relaxed) {
+                slave.confirm_homed();
             }
-            let t_s = now_us.saturating_sub(began_us) as f64 * 1e-6;
-            if let Some(Err(error)) = record.as_mut().map(|record| record.write(t_s, cycle)) {
-                // an arm that moves unrecorded is better than one that stops by surprise
-                record = None;
-                lock(&notices).push(format!("{:#}; the run goes on without", anyhow::Error::new(error)));
-            }
-            if now_us.saturating_sub(looked_us) >= LOOK_US {
-                looked_us = now_us;
-                let refusal = slave.take_refusal().map(|refusal| format!("no reset: {refusal}"));
-                lock(&notices).extend(scene.take_notices().into_iter().chain(refusal));
+            let reason = port_reason(slave, cycle);
+            let news = reason.iter().filter(|reason| told.as_ref() != Some(*reason));
+            let news = news.map(|reason| format!("    the arm's port: {reason}"));
+            let mut lines: Vec<_> = lines.into_iter().chain(change(cycle)).chain(news).collect();
+            told = reason;
+            if !lines.is_empty() {
+                desk.notices().append(&mut lines);
             }
         });
-        let mut lines = slave.station().robot().report();
-        lines.extend(slave.trail().line());
-        lines.push(format!("cycles of {cycle_us} us, {}", served.lateness));
-        lines.extend(scene.end());
-        match served.unstopped {
-            Some(error) => {
-                let cause = anyhow::Error::new(error).context("the arm could not be stopped at its port");
-                Err(Failure::new(Exit::DeviceLost, cause))
-            }
-            None => Ok(lines),
-        }
+        let report = slave.station().robot().report();
+        overseen.lines.splice(0..0, report.into_iter().map(|line| ("arm", line)));
+        overseen
     }
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // plain data: whoever panicked with the lock left it whole
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+/// Why the arm's port stands as it does, where that is in the way: the arm's state that the operator gets
+/// has no words.
+fn port_reason(slave: &LinkedSlave<LocalEnd>, cycle: &Cycle) -> Option<String> {
+    let stands = matches!(cycle.step.decision.status.state(), State::Stopped | State::Fault);
+    stands.then(|| slave.station().robot().reason()).flatten()
+}
+
+impl Desk {
+    fn notices(&self) -> MutexGuard<'_, Vec<String>> {
+        // plain data: whoever panicked with the lock left it whole
+        self.notices.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl SlaveThread {
@@ -179,15 +193,15 @@ impl SlaveThread {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    fn join(&mut self) -> Result<Vec<String>, Failure> {
-        self.stop.store(true, Ordering::Relaxed);
+    fn join(&mut self) -> Result<Option<Overseen>, Failure> {
+        self.desk.end.store(true, Ordering::Relaxed);
         match self.thread.take().map(JoinHandle::join) {
-            Some(Ok(ended)) => ended,
+            Some(Ok(overseen)) => Ok(Some(overseen)),
             Some(Err(_)) => Err(Failure::new(
                 Exit::Failed,
                 anyhow::anyhow!("the slave's thread has panicked; its port brings the arm to rest by itself"),
             )),
-            None => Ok(Vec::new()),
+            None => Ok(None),
         }
     }
 }
@@ -240,5 +254,96 @@ impl Carrier for SlaveLine {
             Self::Station(peer) => peer.configuration(),
             Self::Here(here) => here.end.configuration(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::Robot;
+    use crate::robot::simulated::{SimulatedArm, SimulatedOptions};
+    use std::time::{Duration, Instant};
+    use tetrad_core::arm::port::{JointReading, PortError, PortStatus, RobotPort};
+    use tetrad_core::arm::puma560::Joints;
+    use tetrad_core::config::SlaveConfig;
+
+    /// An arm whose controller cannot tell whether its joints are homed.
+    struct Unhomed {
+        arm: SimulatedArm,
+        homed: Arc<AtomicBool>,
+    }
+
+    impl RobotPort<f64> for Unhomed {
+        fn read_joints(&mut self) -> Result<JointReading<f64>, PortError> {
+            self.arm.read_joints()
+        }
+
+        fn write_set_point(&mut self, joints: &Joints<f64>) -> Result<(), PortError> {
+            self.arm.write_set_point(joints)
+        }
+
+        fn enable(&mut self) -> Result<(), PortError> {
+            self.arm.enable()
+        }
+
+        fn stop(&mut self) -> Result<(), PortError> {
+            self.arm.stop()
+        }
+
+        fn status(&self) -> PortStatus {
+            if self.homed.load(Ordering::Relaxed) { self.arm.status() } else { PortStatus::NotHomed }
+        }
+    }
+
+    impl Robot for Unhomed {
+        fn confirm_homed(&mut self) {
+            self.homed.store(true, Ordering::Relaxed);
+        }
+
+        fn reason(&self) -> Option<String> {
+            let homed = self.homed.load(Ordering::Relaxed);
+            (!homed).then(|| "its joints are where nobody knows".to_owned())
+        }
+    }
+
+    #[test]
+    fn a_slave_of_this_process_can_be_told_that_its_joints_are_homed() {
+        let clock = Clock::wall();
+        let config = SlaveConfig::default();
+        let homed = Arc::<AtomicBool>::default();
+        let arm = SimulatedArm::new(&config.puma, &SimulatedOptions::default()).unwrap();
+        let port = Box::new(Unhomed { arm, homed: Arc::clone(&homed) });
+        let [theirs, end] = local::pair(&clock, [Doorbell::default(), Doorbell::default()], [1, 2]);
+        let scene = SceneCameras::start(&[], &config.puma, &theirs, 1, &clock).unwrap();
+        let work = Work {
+            overseer: Overseer::new(scene, None, &clock),
+            notice: None,
+            slave: LinkedSlave::new(&config, port, theirs, 1).unwrap(),
+            cycle_us: config.governor.cycle_us,
+            desk: Arc::default(),
+        };
+        let desk = Arc::clone(&work.desk);
+        let thread = std::thread::spawn(move || work.all());
+        let mut line = SlaveLine::Here(SlaveThread { end, desk, thread: Some(thread) });
+        let wait = |what: &str, done: &mut dyn FnMut() -> bool| {
+            let began = Instant::now();
+            while !done() {
+                assert!(began.elapsed() < Duration::from_secs(60), "{what}");
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        };
+        let mut said = Vec::new();
+        wait("the port's reason was never told", &mut || {
+            said.extend(line.notices());
+            !said.is_empty()
+        });
+        assert_eq!(said, ["    the arm's port: its joints are where nobody knows"]);
+        assert!(line.confirm_homed());
+        wait("the arm never heard", &mut || homed.load(Ordering::Relaxed));
+        assert!(!line.is_over());
+        let overseen = line.end().unwrap().expect("it was at work");
+        assert_eq!(overseen.trouble, None);
+        assert!(overseen.lines.iter().any(|(label, _)| *label == "cycles"), "{overseen:?}");
+        assert!(line.end().unwrap().is_none(), "once");
     }
 }

@@ -7,22 +7,15 @@ use crate::cli::keyboard::{Key, Keyboard};
 use crate::cli::{note, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Link, Peer, StationName};
-use crate::output::ArmCsv;
 use crate::robot::clock::Clock;
 use crate::settings::station::{NetworkSettings, StationSettings};
-use crate::station::{Cycle, LinkedSlave, SceneCameras, SceneError, SlaveAnnouncement, serve};
-use anyhow::anyhow;
+use crate::station::{Cycle, LinkedSlave, Overseer, SceneCameras, SceneError, SlaveAnnouncement};
 use std::io::IsTerminal as _;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use tetrad_core::arm::port::PortStatus;
 
-/// How often keys, the link and the port's loss are looked at: cycles may be ten times as many.
+/// How often keys and the link are looked at: cycles may be ten times as many.
 const LOOK: Duration = Duration::from_millis(10);
-
-/// How long an arm may not answer before the station ends, so that whatever started it can start it anew;
-/// the operator has then been told.
-const LOST: Duration = Duration::from_secs(2);
 
 /// Runs the slave of a station's file until it is told to end.
 pub(super) fn run(
@@ -32,13 +25,13 @@ pub(super) fn run(
     operator: &StationName,
     seconds: Option<Duration>,
 ) -> Result<(), Failure> {
-    let identity = network.identity().or_exit(Exit::BadArguments)?;
+    let identity = network.identity()?;
     let address = address(args, &settings.slave.arm);
     let record = record(args)?;
     let (config, port) = open_port(&address, &settings.slave.arm)?;
     let notice = port.notice();
     let clock = Clock::wall();
-    let link = network.start(&identity, clock.clone()).or_exit(Exit::DeviceLost)?;
+    let link = network.start(&identity, clock.clone())?;
     let peer = link.peer(operator).ok_or_else(|| {
         // the file was checked: its operator is one of its peers
         Failure::bad_arguments(format!("no [[peer]] is called `{operator}`"))
@@ -55,52 +48,42 @@ pub(super) fn run(
     // without a terminal the operator's stop and the port's own are left
     let keyboard = std::io::stdin().is_terminal().then(|| Keyboard::open().ok()).flatten();
     let now = Instant::now();
-    let mut watch = Overseer {
+    let overseer = Overseer::new(scene, record, &clock);
+    let mut desk = Desk {
         link,
-        scene,
-        clock: clock.clone(),
         talk: Talk::new(now),
-        record,
         keyboard,
         interrupt,
-        began: now,
         ends: seconds.map(|seconds| now + seconds),
         looked: now,
-        lost_since: None,
-        worst: None,
+        terminal_lost: None,
     };
-    watch.print(&format!("arm at {address}; moved by the station {operator}{}", watch.usage()));
+    desk.print(&format!("arm at {address}; moved by the station {operator}{}", desk.usage()));
     if let Some(notice) = notice {
-        watch.print(&notice);
+        desk.print(&notice);
     }
-    let interrupt = watch.interrupt.clone();
+    let interrupt = desk.interrupt.clone();
     let cycle_us = config.governor.cycle_us;
-    let served =
-        serve(&mut slave, cycle_us, &clock, interrupt.flag(), |slave, cycle| watch.each(slave, cycle));
+    let each = |slave: &mut LinkedSlave<Peer>, cycle: &Cycle, lines| desk.each(slave, cycle, lines);
+    let overseen = overseer.serve(&mut slave, cycle_us, interrupt.flag(), each);
     // the terminal is itself again before the results
-    let Overseer { worst, link, scene, .. } = watch;
-    let pictures = scene.end();
+    let Desk { terminal_lost, link, .. } = desk;
     report(slave.station(), (0, 0));
-    if let Some(line) = slave.trail().line() {
-        say(format_args!("arm             {line}"));
+    for (label, line) in overseen.lines {
+        say(format_args!("{label:<15} {line}"));
     }
-    let stats = link.peer(operator).map(|peer| peer.stats());
-    drop(link);
-    say(format_args!("cycles          of {cycle_us} us, {}", served.lateness));
-    if let Some((p50, p99)) = served.written.quantile_us(0.5).zip(served.written.quantile_us(0.99)) {
-        say(format_args!("motion          at the port {p50} us (p50), {p99} us (p99) after it came"));
-    }
-    if let Some(stats) = stats {
-        let motion = stats.received.motion;
+    if let Some(peer) = link.peer(operator) {
+        let motion = peer.stats().received.motion;
         say(format_args!("link            {:.1} % of the motion lost on the way", motion.loss() * 100.0));
     }
-    let unstopped = |error| (Exit::DeviceLost, format!("the arm could not be stopped at its port: {error}"));
-    if let Some(pictures) = pictures {
-        say(format_args!("pictures        {pictures}"));
-    }
-    match worst.or(served.unstopped.map(unstopped)) {
-        Some((exit, reason)) => Err(Failure::new(exit, anyhow!("{reason}"))),
-        None => Ok(()),
+    drop(link);
+    match (terminal_lost, overseen.trouble) {
+        (Some(cause), _) => {
+            let cause = anyhow::Error::new(cause).context("the terminal went away");
+            Err(Failure::new(Exit::Safety, cause))
+        }
+        (None, Some(trouble)) => Err(trouble.into()),
+        (None, None) => Ok(()),
     }
 }
 
@@ -113,33 +96,25 @@ pub(in crate::cli) fn no_scene(error: SceneError) -> Failure {
     Failure::new(exit, error)
 }
 
-/// What is done beside the cycles: keys, lines for whoever reads them, the record.
-struct Overseer {
+/// What only this kind of slave has beside its cycles: a terminal at the arm, and the link's events.
+struct Desk {
     link: Link,
-    scene: SceneCameras,
-    clock: Clock,
     talk: Talk,
-    record: Option<ArmCsv>,
     keyboard: Option<Keyboard>,
     interrupt: Interrupt,
-    began: Instant,
     ends: Option<Instant>,
     looked: Instant,
-    lost_since: Option<Instant>,
-    worst: Option<(Exit, String)>,
+    /// Who could stop the arm here is gone.
+    terminal_lost: Option<std::io::Error>,
 }
 
-impl Overseer {
-    fn each(&mut self, slave: &mut LinkedSlave<Peer>, cycle: &Cycle) {
+impl Desk {
+    fn each(&mut self, slave: &mut LinkedSlave<Peer>, cycle: &Cycle, lines: Vec<String>) {
         let now = Instant::now();
-        if let Some(reading) = &cycle.reading.joints {
-            let at_us = self.clock.now_us().saturating_sub(u64::from(reading.age_us));
-            self.scene.arm_is_at(&reading.joints, at_us);
-        }
         for line in self.talk.lines(cycle, slave.station().robot().reason(), now) {
             self.print(&line);
         }
-        self.write(cycle, now);
+        lines.iter().for_each(|line| self.print(line));
         if now.saturating_duration_since(self.looked) < LOOK {
             return;
         }
@@ -147,16 +122,7 @@ impl Overseer {
         for event in self.link.events() {
             self.print(&event.to_string());
         }
-        if let Some(refusal) = slave.take_refusal() {
-            let reason = slave.station().robot().reason();
-            let reason = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
-            self.print(&format!("no reset: {refusal}{reason}"));
-        }
-        for notice in self.scene.take_notices() {
-            self.print(&notice);
-        }
         self.keys(slave, now);
-        self.look_for_loss(slave, cycle, now);
         if self.ends.is_some_and(|ends| now >= ends) {
             self.end();
         }
@@ -176,42 +142,16 @@ impl Overseer {
                 Ok(Some(Key::Stop | Key::Reset)) => slave.stop(),
                 Ok(None) => {
                     // the bar too
-                    if keyboard.is_held(now) {
+                    if keyboard.take_strike() {
                         slave.stop();
                     }
                     return;
                 }
                 Err(cause) => {
-                    // who could stop it is gone
-                    let cause = format!("the terminal went away: {cause}");
-                    self.worst = Some((Exit::Safety, cause));
+                    self.terminal_lost = Some(cause);
                     break self.end();
                 }
             }
-        }
-    }
-
-    fn look_for_loss(&mut self, slave: &LinkedSlave<Peer>, cycle: &Cycle, now: Instant) {
-        if cycle.reading.status != PortStatus::Lost {
-            self.lost_since = None;
-            return;
-        }
-        let since = *self.lost_since.get_or_insert(now);
-        if now.saturating_duration_since(since) >= LOST && self.worst.is_none() {
-            let reason = slave.station().robot().reason();
-            let reason = reason.unwrap_or_else(|| cycle.reading.status.to_string());
-            self.worst = Some((Exit::DeviceLost, format!("the arm is lost ({reason})")));
-            self.end();
-        }
-    }
-
-    fn write(&mut self, cycle: &Cycle, now: Instant) {
-        let t_s = now.saturating_duration_since(self.began).as_secs_f64();
-        let Some(record) = &mut self.record else { return };
-        if let Err(error) = record.write(t_s, cycle) {
-            // an arm that moves unrecorded is better than one that stops by surprise
-            self.record = None;
-            self.print(&format!("{:#}; the run goes on without", anyhow::Error::new(error)));
         }
     }
 

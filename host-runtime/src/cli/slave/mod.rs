@@ -13,7 +13,7 @@
 pub(super) mod linked;
 mod packets;
 mod run;
-mod talk;
+pub(super) mod talk;
 
 use super::interrupt::Interrupt;
 use super::keyboard::Keyboard;
@@ -45,8 +45,8 @@ Examples:
     tetrad slave --config tetrad.toml
 
 On the terminal: r resets (after the start, a stop or a fault), the space bar moves the arm while it is
-held (a terminal tells late that it was let go: 0.2 s after, 0.7 s after a mere tap; a kitty-like one at
-once), any other key stops it at once, q ends the program. Where drives cannot tell that their joints are homed
+held (from its first repeat on, and most terminals tell 0.1 to 0.2 s late that it was let go; a kitty-like
+one tells both at once), any other key stops it at once, q ends the program. Where drives cannot tell that their joints are homed
 (homing = 'confirm'), h says so. At a station's terminal any key stops the arm, h and q are as above, and
 it is the operator who resets and holds hold-to-run.
 

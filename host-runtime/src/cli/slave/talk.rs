@@ -83,7 +83,7 @@ fn limits(cycle: &Cycle) -> Vec<String> {
 }
 
 /// The arm does not stand as it did: never without a word.
-fn change(cycle: &Cycle) -> Option<String> {
+pub(in crate::cli) fn change(cycle: &Cycle) -> Option<String> {
     let change = cycle.step.governed?.change?;
     let (from, to) = (posture(change.from), posture(change.to));
     let how = match change.kind {

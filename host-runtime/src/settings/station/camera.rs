@@ -6,7 +6,7 @@ use crate::colours::Colours;
 use crate::scene_file::SceneFile;
 use crate::settings::file::Problem;
 use crate::settings::{FOCAL_PX, Mode, Start};
-use crate::source::{MAX_FPS, Options, View};
+use crate::source::{MAX_FPS, Options, View, check_live};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -106,8 +106,10 @@ impl CameraToml {
             size => size.map(|[width, height]| (width, height)),
         };
         let options = Options { view, fps, size };
+        let source = located(&self.source, dir);
+        check_live(&source, &options).map_err(|error| (at("source"), error.to_string()))?;
         let start = self.start(key, view, dir)?;
-        Ok(LocalCamera { source: self.source.clone(), options, start, focal_px, mode })
+        Ok(LocalCamera { source, options, start, focal_px, mode })
     }
 
     /// The first key that only a camera of this computer can have.
@@ -174,6 +176,11 @@ impl CameraToml {
             }
         }
     }
+}
+
+/// SRC as this program finds it: a recording lies beside the file that names it.
+pub(super) fn located(source: &str, dir: &Path) -> String {
+    if source.starts_with("sim:") { source.to_owned() } else { dir.join(source).display().to_string() }
 }
 
 fn read(path: &Path) -> Result<String, String> {

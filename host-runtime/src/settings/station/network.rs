@@ -1,5 +1,6 @@
 //! `[station]` and `[[peer]]`: who the station is, and whom it talks to.
 
+use crate::exit::{Exit, Failure};
 use crate::link::{
     Identity, IdentityError, Link, LinkConfig, LinkError, PICTURE_BYTES_PER_S, PeerConfig, StationName,
 };
@@ -69,6 +70,9 @@ impl NetworkSettings {
             }
             all.push(PeerConfig { name, address: peer.address.clone() });
         }
+        if let Some((key, problem)) = same_address(&all, listen) {
+            return Err(wrong(&key, problem));
+        }
         let link = LinkConfig {
             listen,
             peers: all,
@@ -90,17 +94,45 @@ impl NetworkSettings {
     /// The station's certificate and key, and its authority's certificate.
     ///
     /// # Errors
-    /// [`IdentityError`] names the file and what makes it.
-    pub fn identity(&self) -> Result<Identity, IdentityError> {
-        Identity::load(&self.keys, &self.name)
+    /// [`Exit::BadArguments`]: the message names the key, the file and what makes it.
+    pub fn identity(&self) -> Result<Identity, Failure> {
+        Identity::load(&self.keys, &self.name).map_err(|error| {
+            let help = match &error {
+                IdentityError::File { .. } => Some(self.makes_keys()),
+                _ => None,
+            };
+            let cause =
+                anyhow::Error::new(error).context("[station] keys: this station cannot say who it is");
+            Failure { exit: Exit::BadArguments, cause, help: help.map(Into::into) }
+        })
+    }
+
+    /// The commands that make what `[station] keys` is to hold.
+    fn makes_keys(&self) -> String {
+        let (keys, name) = (self.keys.display(), &self.name);
+        format!(
+            "make them where the authority is kept, with `tetrad keys --out {keys} authority` once and \
+             `tetrad keys --out {keys} station {name}`, and copy authority.pem, {name}.pem and {name}.key to {keys}"
+        )
     }
 
     /// Starts the link; `identity` is this station's.
     ///
     /// # Errors
-    /// [`LinkError`]
-    pub fn start(&self, identity: &Identity, clock: Clock) -> Result<Link, LinkError> {
-        Link::start(&self.link, identity, clock)
+    /// [`Exit::DeviceLost`] where it cannot listen at the moment, as with a camera that is not there:
+    /// whatever starts it may try again. [`Exit::BadArguments`] where its certificate cannot be used,
+    /// [`Exit::Failed`] where the computer has no thread left.
+    pub fn start(&self, identity: &Identity, clock: Clock) -> Result<Link, Failure> {
+        Link::start(&self.link, identity, clock).map_err(|error| {
+            let (exit, key) = match &error {
+                LinkError::Listen(..) => (Exit::DeviceLost, "[station] listen"),
+                LinkError::Tls(..) => (Exit::BadArguments, "[station] keys"),
+                LinkError::SameName(_) => (Exit::BadArguments, "[[peer]] name"),
+                LinkError::NoWay(_) => (Exit::BadArguments, "[[peer]] address"),
+                LinkError::Thread(_) => (Exit::Failed, "[station]"),
+            };
+            Failure::new(exit, anyhow::Error::new(error).context(format!("{key}: there is no link")))
+        })
     }
 }
 
@@ -111,8 +143,33 @@ fn address(text: &str) -> Result<SocketAddr, String> {
     })
 }
 
+/// Two stations at one address, or a peer at this station's own: the key, and what is wrong.
+fn same_address(peers: &[PeerConfig], listen: Option<SocketAddr>) -> Option<(String, String)> {
+    let mut known: Vec<(&str, &str)> = Vec::new();
+    for (index, peer) in peers.iter().enumerate() {
+        let Some(address) = peer.address.as_deref() else { continue };
+        let key = format!("[[peer]] {} address", index + 1);
+        if listen.is_some_and(|own| address.parse() == Ok(own)) {
+            let problem =
+                format!("{address} is where this station listens itself: give that of {}", peer.name);
+            return Some((key, problem));
+        }
+        if let Some((other, _)) = known.iter().find(|(_, at)| *at == address) {
+            let problem = format!("{other} is at {address} too: each station has an address of its own");
+            return Some((key, problem));
+        }
+        known.push((peer.name.as_str(), address));
+    }
+    None
+}
+
 /// Whether it can be dialled: a name or an address, and a port.
 fn dialled(text: &str) -> Result<(), String> {
+    if text.parse::<SocketAddr>().is_ok_and(|address| address.ip().is_unspecified()) {
+        return Err(format!(
+            "'{text}' is an address to listen on: give that of the other station's computer"
+        ));
+    }
     let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty());
     match port.and_then(|(_, port)| port.parse::<u16>().ok()) {
         Some(1..) => Ok(()),

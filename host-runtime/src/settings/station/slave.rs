@@ -1,6 +1,6 @@
 //! What a slave's file says beside the arm: whose motion counts, and the cameras of its scene.
 
-use super::camera::ViewToml;
+use super::camera::{ViewToml, located};
 use super::within;
 use crate::link::StationName;
 use crate::robot::RobotKind;
@@ -8,8 +8,9 @@ use crate::robot::simulated::SimulatedArm;
 use crate::robot::start::excluded;
 use crate::settings::arm::ArmSettings;
 use crate::settings::file::{FileToml, Problem};
-use crate::source::{Options, View};
+use crate::source::{Options, View, check_live};
 use serde::Deserialize;
+use std::path::Path;
 use tetrad_core::arm::port::RobotPort as _;
 use tetrad_core::arm::puma560::Puma560;
 
@@ -70,7 +71,7 @@ pub enum SceneCamera {
 }
 
 impl SlaveSettings {
-    pub(super) fn checked(toml: &FileToml) -> Result<Self, Problem> {
+    pub(super) fn checked(toml: &FileToml, dir: &Path) -> Result<Self, Problem> {
         let arm = ArmSettings::checked(toml)?;
         starts_within(&arm)?;
         outlasts_a_cycle(&arm)?;
@@ -83,14 +84,14 @@ impl SlaveSettings {
             return Err(("[[slave.camera]]".to_owned(), mend));
         }
         let cameras = slave.camera.iter().enumerate();
-        let cameras =
-            cameras.map(|(index, camera)| camera.checked(&format!("[[slave.camera]] {}", index + 1), index));
+        let cameras = cameras
+            .map(|(index, camera)| camera.checked(&format!("[[slave.camera]] {}", index + 1), index, dir));
         Ok(Self { operator, cameras: cameras.collect::<Result<_, _>>()?, arm })
     }
 }
 
 impl SceneCameraToml {
-    fn checked(&self, key: &str, index: usize) -> Result<SceneCameraSettings, Problem> {
+    fn checked(&self, key: &str, index: usize, dir: &Path) -> Result<SceneCameraSettings, Problem> {
         let at = |name: &str| format!("{key} {name}");
         if self.source.starts_with("node:") {
             let mend = "a camera of this computer is needed, or sim:arm".to_owned();
@@ -114,11 +115,15 @@ impl SceneCameraToml {
             None if index == 0 => View::Left,
             None => View::Right,
         };
+        let options = Options { view, fps: Some(fps), size };
         let place = match self.source.as_str() {
             "sim:arm" => SceneCamera::SimulatedArm,
-            source => SceneCamera::Source(source.to_owned()),
+            source => {
+                let source = located(source, dir);
+                check_live(&source, &options).map_err(|error| (at("source"), error.to_string()))?;
+                SceneCamera::Source(source)
+            }
         };
-        let options = Options { view, fps: Some(fps), size };
         let quality = quality.map_or(DEFAULT_QUALITY, |quality| quality as u8);
         Ok(SceneCameraSettings { place, options, fps, quality })
     }

@@ -129,9 +129,58 @@ fn what_cannot_be_meant_is_refused_with_its_key() {
         &slave.replace("quality = 80", "quality = 0"),
         "[[slave.camera]] 1 quality: a number from 10 to 100",
     );
+    refused(
+        &operator.replace("10.0.0.12:7420", "10.0.0.11:7420"),
+        "[[peer]] 2 address: left is at 10.0.0.11:7420 too",
+    );
+    refused(
+        &operator.replace("10.0.0.12:7420", "0.0.0.0:7420"),
+        "[[peer]] 2 address: '0.0.0.0:7420' is an address to listen on",
+    );
+    let own = slave.replace("0.0.0.0:7420", "10.0.0.3:7420");
+    refused(
+        &own.replace("name = \"operator\"\n", "name = \"operator\"\naddress = \"10.0.0.3:7420\"\n"),
+        "[[peer]] 1 address: 10.0.0.3:7420 is where this station listens itself",
+    );
     let three = format!("{slave}[[slave.camera]]\nsource = \"sim:arm\"\n");
     refused(&three, "[[slave.camera]]: at most 2 cameras");
     refused(&slave.replace("\"sim:\"", "\"simm:\""), "[slave] port: simm:");
+}
+
+/// What no camera can be is said before one is opened.
+#[test]
+fn a_source_that_cannot_be_meant_is_refused_with_its_key() {
+    let camera = documented("camera").replace("colours = ", "# colours = ").replace("fps = 60", "");
+    let seen = |source: &str| camera.replace("/dev/video0", source);
+    refused(&seen("sim:demp"), "[camera] source: sim:demp: no scene is called 'demp': there are de");
+    refused(
+        &seen("sim:demo?format=grey"),
+        "[camera] source: sim:demo?format=grey: 'grey' is no pixel format",
+    );
+    refused(&seen("http://10.0.0.9/stream"), "no such file or folder: SRC is /dev/videoN");
+    refused(&seen("node:left"), "[camera] source: node:left is another station");
+    let slave = documented("slave");
+    refused(
+        &slave.replacen("source = \"sim:arm\"", "source = \"sim:harm\"", 1),
+        "[[slave.camera]] 1 source: sim:harm: no scene is called 'harm'",
+    );
+    let hand = documented("operator").replace("source = \"node:right\"", "source = \"/no/film.y4m\"");
+    refused(&hand, "[[operator.camera]] 2 source: /no/film.y4m: no such file or folder");
+    // a recording lies beside the file that names it
+    let dir = tempfile::tempdir().unwrap();
+    fs::create_dir(dir.path().join("clip")).unwrap();
+    let text = format!("{}\ncolours = \"no.toml\"\n", seen("clip").replace("# colours", "# "));
+    let error = load_in(dir.path(), &text).unwrap_err();
+    assert!(error.starts_with("[camera] colours: cannot read"), "the clip was found: {error}");
+}
+
+#[test]
+fn tables_that_contradict_each_other_are_refused() {
+    let lonely = "[camera]\nsource = \"sim:demo\"\n";
+    refused(lonely, "[camera]: there is no [station], and a camera station needs it");
+    let both = documented("operator").replace("slave = \"slave\"", "slave = \"here\"");
+    let both = format!("{both}[slave]\noperator = \"slave\"\n");
+    refused(&both, "[slave] operator: the arm is moved from here");
 }
 
 #[test]
@@ -158,7 +207,10 @@ fn keys_have_to_be_of_one_make() {
     let settings = load_in(dir.path(), &documented("slave")).unwrap();
     let network = settings.network.unwrap();
     let missing = network.identity().unwrap_err().to_string();
-    assert!(missing.contains("slave.pem") && missing.contains("tetrad keys"), "{missing}");
+    let command = format!("`tetrad keys --out {} station slave`", network.keys.display());
+    for words in ["error: [station] keys: ", "slave.pem", "authority.pem", &command] {
+        assert!(missing.contains(words), "no {words:?} in {missing}");
+    }
     fs::create_dir(&network.keys).unwrap();
     make_authority(&network.keys).unwrap();
     make_station(&network.keys, &network.name).unwrap();

@@ -1,0 +1,139 @@
+//! What is not as it should be at the moment, though the file can be meant: what is not plugged in, or is
+//! another computer's. Nothing is opened.
+
+use crate::robot::canopen::CanopenAddress;
+use crate::robot::{RobotAddress, RobotKind, val2};
+use crate::settings::station::{
+    HandCamera, LocalCamera, SceneCamera, SlavePlace, SlaveSettings, StationSettings,
+};
+use std::io;
+use std::net::{SocketAddr, UdpSocket};
+use std::path::Path;
+
+/// All there are, each with its key and what would mend it.
+pub(super) fn notes(settings: &StationSettings) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(network) = &settings.network {
+        notes.extend(network.link.listen.and_then(elsewhere));
+        if settings.camera.is_some() && network.link.peers.is_empty() {
+            notes.push("[[peer]]: there is none, so nobody gets what the camera sees".to_owned());
+        }
+    }
+    if let Some(camera) = &settings.camera {
+        notes.extend(no_camera("[camera] source", &camera.camera));
+    }
+    if let Some(operator) = &settings.operator {
+        for (number, camera) in (1..).zip(&operator.cameras) {
+            let key = format!("[[operator.camera]] {number} source");
+            notes.extend(match &camera.place {
+                HandCamera::Station(_) => None,
+                HandCamera::Serial { device, .. } => no_device(&key, device, "lists the serial ports"),
+                HandCamera::Local(local) => no_camera(&key, local),
+            });
+        }
+    }
+    let here = settings.operator.as_ref().is_some_and(|operator| operator.slave == SlavePlace::Here);
+    notes.extend(of_slave(&settings.slave, here));
+    notes
+}
+
+fn of_slave(slave: &SlaveSettings, here: bool) -> Vec<String> {
+    let mut notes: Vec<String> = slave.arm.port.as_ref().and_then(no_port).into_iter().collect();
+    for (number, camera) in (1..).zip(&slave.cameras) {
+        if let SceneCamera::Source(source) = &camera.place {
+            let key = format!("[[slave.camera]] {number} source");
+            notes.extend(
+                no_device(&key, Path::new(source), "lists the cameras").filter(|_| is_device(source)),
+            );
+        }
+    }
+    if !slave.cameras.is_empty() && slave.operator.is_none() && !here {
+        let mend = "name the station that sees them in [slave] operator";
+        notes.push(format!("[[slave.camera]]: pictures go over the link alone: {mend}"));
+    }
+    notes
+}
+
+fn no_camera(key: &str, camera: &LocalCamera) -> Option<String> {
+    no_device(key, Path::new(&camera.source), "lists the cameras").filter(|_| is_device(&camera.source))
+}
+
+fn is_device(source: &str) -> bool {
+    Path::new(source).starts_with("/dev")
+}
+
+fn no_device(key: &str, device: &Path, lists: &str) -> Option<String> {
+    let missing = !device.exists();
+    missing.then(|| format!("{key}: {} is not there now; `tetrad devices` {lists}", device.display()))
+}
+
+/// An arm's port that is not there.
+fn no_port(address: &RobotAddress) -> Option<String> {
+    const KEY: &str = "[slave] port";
+    match address.kind() {
+        RobotKind::Simulated(_) => None,
+        RobotKind::DryRun(file) => {
+            let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty())?;
+            let missing = !folder.is_dir();
+            missing.then(|| format!("{KEY}: there is no folder {}: make it", folder.display()))
+        }
+        RobotKind::Val2(place) => {
+            // it was understood before
+            let (device, _) = val2::parse(place, &val2::Val2Config::default()).ok()?;
+            no_device(KEY, Path::new(&device), "lists the serial ports")
+        }
+        RobotKind::Canopen(CanopenAddress::Slcan { path: device, .. }) => {
+            no_device(KEY, Path::new(device), "lists the serial ports")
+        }
+        RobotKind::Canopen(CanopenAddress::Interface(name)) => {
+            no_device(KEY, &Path::new("/sys/class/net").join(name), "lists the CAN interfaces")
+        }
+    }
+}
+
+/// An address to listen on that is not this computer's. Whether the port is free is not asked: the
+/// station itself may have it.
+fn elsewhere(listen: SocketAddr) -> Option<String> {
+    let any_port = SocketAddr::new(listen.ip(), 0);
+    let error = UdpSocket::bind(any_port).err()?;
+    (error.kind() == io::ErrorKind::AddrNotAvailable).then(|| {
+        format!(
+            "[station] listen: {} is no address of this computer now; 0.0.0.0 and [::] are all of them",
+            listen.ip()
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn port(address: &str) -> Option<String> {
+        no_port(&address.parse().unwrap())
+    }
+
+    #[test]
+    fn a_port_that_is_not_there_is_told_with_its_key() {
+        for (address, words) in [
+            ("val2:/dev/ttyNONE?baud=9600", "/dev/ttyNONE is not there now"),
+            ("canopen:can-none", "can-none is not there now"),
+            ("canopen+slcan:/dev/ttyNONE", "/dev/ttyNONE is not there now"),
+            ("dry-run:/no/where/x.csv", "there is no folder /no/where"),
+        ] {
+            let note = port(address).unwrap_or_default();
+            assert!(note.starts_with("[slave] port: ") && note.contains(words), "{address}: {note}");
+        }
+        for there in ["sim:", "dry-run:x.csv", "val2:/dev/null"] {
+            assert_eq!(port(there), None);
+        }
+    }
+
+    #[test]
+    fn an_address_of_another_computer_is_told() {
+        // documentation's own network (RFC 5737): nobody has it
+        let note = elsewhere("192.0.2.1:7420".parse().unwrap()).unwrap_or_default();
+        assert!(note.starts_with("[station] listen: 192.0.2.1 is no address"), "{note}");
+        let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
+        assert_eq!(elsewhere(taken.local_addr().unwrap()), None, "a port in use is not asked for");
+    }
+}
