@@ -196,6 +196,15 @@ fn what_is_wrong_is_named_by_line_and_column_after_the_rows_before_it() {
     fk(&format!("{HOME}1,2,3,4,,6\n"), &["line 3, column q5: ''"]);
     fk(&format!("{HOME}1,2,3,4,5,inf\n"), &["line 3, column q6: 'inf'"]);
     fk(&format!("{HOME}1,2,3,4,5\n"), &["line 3: 5 fields, but the header has 6"]);
+    let beyond = ["line 3, column q2: '1e308'", "radians, from -1000 to 1000"];
+    fk(&format!("{HOME}0,1e308,1e308,0,0,0\n"), &beyond);
+    fk(&format!("{HOME}0,0,0,0,0,-1000.5\n"), &["line 3, column q6: '-1000.5'"]);
+    assert!(
+        !tetrad_with_input("arm fk", format!("{HOME}1000,-1000,1000,0,0,0\n").as_bytes())
+            .done()
+            .stdout
+            .contains("NaN")
+    );
     tetrad_with_input("arm fk", b"q1,q2,q3,q4,q5,q6\n0,0,0,0,0,\xff\n").refused(2, &["line 2", "UTF-8"]);
 
     let ik = |rows: &str, words: &[&str]| {
@@ -208,6 +217,8 @@ fn what_is_wrong_is_named_by_line_and_column_after_the_rows_before_it() {
     ik("b,0.5,0,0.5,1,0,0,0,1,0,0,0,-1\n", &["line 3", "right-handed", "r11 to r33"]);
     ik("b,0.5,0,0.5,1.2,0,0,0,1,0,0,0,1\n", &["line 3", "orthonormal"]);
     ik("b,0.5,nan,0.5,1,0,0,0,1,0,0,0,1\n", &["line 3, column y: 'nan'"]);
+    ik("b,0.5,0,-1e308,1,0,0,0,1,0,0,0,1\n", &["line 3, column z: '-1e308'", "metres"]);
+    ik("b,0.5,0,0.5,1e308,0,0,0,1,0,0,0,1\n", &["line 3", "orthonormal"]);
     ik("b,,,,,,,,,,,,\n", &["line 3", "the pose is empty"]);
 }
 

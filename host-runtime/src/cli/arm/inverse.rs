@@ -11,6 +11,9 @@ const BEHIND: [&str; 2] = ["in_range", "reason"];
 /// Why a pose has no row of its own although it can be reached.
 const OUT_OF_RANGE: &str = "every solution has a joint out of its range";
 
+/// The farthest place that can be meant, metres.
+const MAX_PLACE_M: f64 = 1000.0;
+
 /// Writes the solutions of each row, or the reason why there is none.
 pub(super) fn convert(
     arm: &Puma560<f64>,
@@ -31,6 +34,8 @@ pub(super) fn convert(
         let Some(numbers) = table.numbers()? else {
             return Err(table.problem("the pose is empty: leave the row out"));
         };
+        let [x, y, z, ..] = numbers;
+        table.refuse_beyond(MAX_PLACE_M, "metres", &[x, y, z])?;
         match arm.inverse(&pose_of(numbers), &[0.0; 6]) {
             Ok(solutions) => {
                 let wanted = solutions.iter().filter(|solution| !in_range || solution.outside.is_empty());

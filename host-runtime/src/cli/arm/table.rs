@@ -33,6 +33,10 @@ pub(super) enum TableError {
         "standard input, line {line}, column {column}: '{text}' is no finite number: write one such as -0.5 or 1.2e-3"
     )]
     Number { line: u64, column: &'static str, text: String },
+    #[error(
+        "standard input, line {line}, column {column}: '{text}' cannot be meant: write {unit}, from -{most} to {most}"
+    )]
+    Beyond { line: u64, column: &'static str, text: String, most: f64, unit: &'static str },
     #[error("standard input, line {line}: {problem}")]
     Row { line: u64, problem: String },
     #[error("standard input, line {line}: this is not UTF-8 text: save the table as UTF-8 CSV")]
@@ -138,6 +142,26 @@ impl<R: Read, const N: usize> Table<R, N> {
                 })?;
         }
         Ok(Some(numbers))
+    }
+
+    /// Refuses numbers beyond what can be meant. They are the row's first ones, in the order of the names.
+    pub(super) fn refuse_beyond(
+        &self,
+        most: f64,
+        unit: &'static str,
+        numbers: &[f64],
+    ) -> Result<(), TableError> {
+        let columns = self.names.iter().zip(&self.places).zip(numbers);
+        match columns.into_iter().find(|(_, number)| number.abs() > most) {
+            Some(((column, place), _)) => Err(TableError::Beyond {
+                line: self.line(),
+                column,
+                text: self.record.get(*place).unwrap_or_default().trim().to_owned(),
+                most,
+                unit,
+            }),
+            None => Ok(()),
+        }
     }
 
     fn line(&self) -> u64 {

@@ -1,5 +1,6 @@
 //! A slave on a link: the operator's station drives the arm, somebody at its terminal may stop it.
 
+use super::ending;
 use super::talk::Talk;
 use super::{SlaveArgs, address, open_port, record, report};
 use crate::cli::interrupt::Interrupt;
@@ -57,6 +58,7 @@ pub(super) fn run(
         ends: seconds.map(|seconds| now + seconds),
         looked: now,
         terminal_lost: None,
+        before_end: None,
     };
     desk.print(&format!("arm at {address}; moved by the station {operator}{}", desk.usage()));
     if let Some(notice) = notice {
@@ -67,7 +69,7 @@ pub(super) fn run(
     let each = |slave: &mut LinkedSlave<Peer>, cycle: &Cycle, lines| desk.each(slave, cycle, lines);
     let overseen = overseer.serve(&mut slave, cycle_us, interrupt.flag(), each);
     // the terminal is itself again before the results
-    let Desk { terminal_lost, link, .. } = desk;
+    let Desk { terminal_lost, before_end, link, .. } = desk;
     report(slave.station(), (0, 0));
     for (label, line) in overseen.lines {
         say(format_args!("{label:<15} {line}"));
@@ -77,13 +79,17 @@ pub(super) fn run(
         say(format_args!("link            {:.1} % of the motion lost on the way", motion.loss() * 100.0));
     }
     drop(link);
+    let standing = || ending::standing(&before_end?, slave.station().robot().reason());
     match (terminal_lost, overseen.trouble) {
         (Some(cause), _) => {
             let cause = anyhow::Error::new(cause).context("the terminal went away");
             Err(Failure::new(Exit::Safety, cause))
         }
         (None, Some(trouble)) => Err(trouble.into()),
-        (None, None) => Ok(()),
+        (None, None) => match standing() {
+            Some((exit, words)) => Err(Failure::new(exit, anyhow::anyhow!(words))),
+            None => Ok(()),
+        },
     }
 }
 
@@ -106,11 +112,16 @@ struct Desk {
     looked: Instant,
     /// Who could stop the arm here is gone.
     terminal_lost: Option<std::io::Error>,
+    /// The newest cycle before the run was told to end.
+    before_end: Option<Cycle>,
 }
 
 impl Desk {
     fn each(&mut self, slave: &mut LinkedSlave<Peer>, cycle: &Cycle, lines: Vec<String>) {
         let now = Instant::now();
+        if !self.interrupt.asked() {
+            self.before_end = Some(*cycle);
+        }
         for line in self.talk.lines(cycle, slave.station().robot().reason(), now) {
             self.print(&line);
         }

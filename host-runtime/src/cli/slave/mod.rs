@@ -8,8 +8,9 @@
 //! With a file that names an operator, motion and buttons come over the link instead (`linked`), and the
 //! terminal is only for whoever stands at the arm.
 //!
-//! Here flags become settings and a run its results; `run` is the loop.
+//! Here flags become settings and a run its results; `run` is the loop, `ending` how it ended.
 
+pub(super) mod ending;
 pub(super) mod linked;
 mod packets;
 mod run;

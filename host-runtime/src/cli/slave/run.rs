@@ -3,6 +3,7 @@
 //! It waits until the next cycle is due, by the port's own beat where it has one; what was missed is not
 //! made up for.
 
+use super::ending;
 use super::packets::{Next, Packets};
 use super::talk::Talk;
 use crate::cli::interrupt::Interrupt;
@@ -12,8 +13,6 @@ use crate::exit::{Exit, Failure};
 use crate::output::ArmCsv;
 use crate::station::{Cycle, EnableThenReset, Reset, Resetting, SlaveStation};
 use std::time::{Duration, Instant};
-use tetrad_core::arm::port::PortStatus;
-use tetrad_core::arm::teleop::State;
 
 /// How long the end of the run waits for the arm to be at rest.
 const REST: Duration = Duration::from_secs(3);
@@ -45,7 +44,7 @@ pub(super) struct Run {
     sender_pressed: bool,
     /// A reset that waits for the arm to be switched on.
     reset: Option<Resetting>,
-    /// How the run ends where nobody is there to mend it.
+    /// How the run ends, where not well.
     worst: Option<(Exit, String)>,
 }
 
@@ -54,7 +53,7 @@ pub(super) struct Ended {
     pub(super) station: SlaveStation,
     /// Frames that were damaged, and packets for which there was no room.
     pub(super) losses: (u64, u64),
-    /// How it ended where nobody was there to mend it.
+    /// How it ended, where not well.
     pub(super) worst: Option<(Exit, String)>,
 }
 
@@ -228,17 +227,19 @@ impl Run {
 
     /// Without anybody to reset it, a fault ends the run; whether it did.
     fn note_worst(&mut self, cycle: &Cycle) -> bool {
-        let status = cycle.step.decision.status;
-        if self.input == Input::Starting || !matches!(status.state(), State::Stopped | State::Fault) {
-            return false;
+        if self.input != Input::Starting {
+            self.judge(cycle);
         }
-        let exit = if cycle.reading.status == PortStatus::Lost { Exit::DeviceLost } else { Exit::Safety };
-        let reason = self.station.robot().reason().unwrap_or_else(|| cycle.reading.status.to_string());
-        self.worst = Some((exit, format!("{status} ({reason})")));
-        true
+        self.worst.is_some()
     }
 
-    /// Brings the arm to rest within its limits, then stops it at its port.
+    fn judge(&mut self, cycle: &Cycle) {
+        if self.worst.is_none() {
+            self.worst = ending::standing(cycle, self.station.robot().reason());
+        }
+    }
+
+    /// Brings the arm to rest within its limits, then stops it at its port, and judges how it stands.
     fn shut_down(&mut self) -> Result<(), Failure> {
         self.station.stop();
         let began = Instant::now();
@@ -246,6 +247,7 @@ impl Run {
         while began.elapsed() < REST {
             let cycle = self.station.cycle(self.micros(Instant::now()));
             self.write(&cycle)?;
+            self.judge(&cycle);
             if cycle.step.governed.is_none_or(|governed| governed.at_rest) {
                 break;
             }
@@ -255,7 +257,9 @@ impl Run {
             due = due.min(Instant::now());
         }
         if let Err(error) = self.station.shut_down() {
-            self.print(&format!("the arm could not be stopped at its port: {error}"));
+            let (exit, words) = ending::unstopped(error);
+            self.print(&words);
+            self.worst.get_or_insert((exit, words));
         }
         Ok(())
     }
