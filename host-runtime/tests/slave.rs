@@ -145,60 +145,52 @@ fn what_is_tracked_drives_an_arm() {
     assert!(moved < 2e-3, "{moved}");
 }
 
-/// `tetrad slave` at a terminal of its own: somebody strikes these keys one after the other, each when
-/// what stands before it has been said, and then waits for the end.
 #[cfg(target_os = "linux")]
-fn at_the_keys(dir: &Path, arguments: &str, keys: &[(&str, u8)]) -> Ran {
-    use serialport::{SerialPort as _, TTYPort};
-    use std::io::Write as _;
-    use std::process::Command;
-    use std::time::{Duration, Instant};
-    let (mut terminal, program_side) = TTYPort::pair().unwrap();
-    let stdin = fs::File::options().read(true).write(true).open(program_side.name().unwrap()).unwrap();
-    let log = |name: &str| fs::File::create(dir.join(name)).unwrap();
-    fs::write(dir.join("tetrad.toml"), PATIENT).unwrap();
-    // in a session of its own, so that the keys of whoever runs the tests are left alone
-    let mut child = Command::new("setsid")
-        .args(["--wait", env!("CARGO_BIN_EXE_tetrad"), "slave", "--config", "tetrad.toml"])
-        .args(arguments.split_whitespace())
-        .current_dir(dir)
-        .stdin(stdin)
-        .stdout(log("said"))
-        .stderr(log("log"))
-        .spawn()
-        .unwrap();
-    let began = Instant::now();
-    let said = |name: &str| fs::read_to_string(dir.join(name)).unwrap();
-    for (before, key) in keys {
-        while !said("log").contains(before) {
-            assert!(began.elapsed() < Duration::from_secs(60), "no {before:?} in {}", said("log"));
-            std::thread::sleep(Duration::from_millis(10));
+#[path = "common/terminal.rs"]
+mod terminal;
+
+#[cfg(target_os = "linux")]
+mod keys {
+    use super::terminal::{Kind, Terminal};
+    use super::{PATIENT, record};
+    use std::fs;
+
+    /// `tetrad slave` at a terminal, whose keys are struck one after the other, each when what stands
+    /// before it has been said: how it ends, and what it said.
+    fn at_the_keys(port: &str, keys: &[(&str, &str)]) -> (Option<i32>, String) {
+        let dir = tempfile::tempdir().unwrap();
+        record(&dir.path().join("motion.bin"), 3, None);
+        fs::write(dir.path().join("tetrad.toml"), PATIENT).unwrap();
+        let arguments = format!("slave --config tetrad.toml --packets motion.bin --port {port}");
+        let mut terminal = Terminal::start(Kind::Plain, dir.path(), &arguments);
+        for (before, key) in keys {
+            terminal.until(before, |_| {});
+            terminal.strike(key);
         }
-        terminal.write_all(&[*key]).unwrap();
+        terminal.end()
     }
-    let code = child.wait().unwrap().code();
-    Ran { code, stdout: said("said"), stderr: said("log") }
-}
 
-#[cfg(target_os = "linux")]
-#[test]
-fn an_arm_that_is_left_in_fault_ends_it_as_a_fault_whoever_watched() {
-    let dir = tempfile::tempdir().unwrap();
-    record(&dir.path().join("motion.bin"), 3, None);
-    let faulty = "--packets motion.bin --port sim:?fault=3@4s&watchdog_ms=5000";
-    let ran = at_the_keys(dir.path(), faulty, &[("r resets", b'r'), ("joint 3", b'q')]);
-    ran.refused(4, &["joint 3"]);
-    let silent = "--packets motion.bin --port sim:?silence=4s&watchdog_ms=5000";
-    let ran = at_the_keys(dir.path(), silent, &[("r resets", b'r'), ("does not answer", b'q')]);
-    ran.refused(3, &["does not answer"]);
-}
+    #[test]
+    fn an_arm_that_is_left_in_fault_ends_it_as_a_fault_whoever_watched() {
+        let keys = [("r resets", "r"), ("reports fault", "q")];
+        let (code, said) = at_the_keys("sim:?fault=3@2s&watchdog_ms=5000", &keys);
+        assert_eq!(code, Some(4), "{said}");
+        assert!(said.contains("error: ") && said.contains("joint 3"), "{said}");
+    }
 
-#[cfg(target_os = "linux")]
-#[test]
-fn what_the_operator_stopped_is_done() {
-    let dir = tempfile::tempdir().unwrap();
-    record(&dir.path().join("motion.bin"), 3, None);
-    let well = "--packets motion.bin --port sim:?watchdog_ms=5000";
-    at_the_keys(dir.path(), well, &[("r resets", b'q')]).done();
-    at_the_keys(dir.path(), well, &[("r resets", b'r'), ("armed", b'x'), ("stop was pressed", b'q')]).done();
+    #[test]
+    fn an_arm_that_does_not_answer_any_more_is_a_lost_device() {
+        let keys = [("r resets", "r"), ("does not answer", "q")];
+        let (code, said) = at_the_keys("sim:?silence=2s&watchdog_ms=5000", &keys);
+        assert_eq!(code, Some(3), "{said}");
+    }
+
+    #[test]
+    fn what_the_operator_stopped_is_done() {
+        let keys = [("r resets", "r"), ("armed", "x"), ("stop was pressed", "q")];
+        for keys in [&keys[..], &[("r resets", "q")]] {
+            let (code, said) = at_the_keys("sim:?watchdog_ms=5000", keys);
+            assert_eq!(code, Some(0), "{said}");
+        }
+    }
 }

@@ -9,15 +9,20 @@ use tetrad_core::arm::teleop::{Status, StopReason};
 /// how it stands.
 ///
 /// A stop that somebody asked for is no failure, nor an arm that was never reset. A fault is, and a stop
-/// that nobody asked for: whoever watched it may end the run without having mended it.
+/// that nobody asked for: whoever watched it may end the run without having mended it. To be asked before
+/// the run itself stops the arm, which hides why it was stopped before, and after it.
 pub(in crate::cli) fn standing(cycle: &Cycle, reason: Option<String>) -> Option<(Exit, String)> {
     judged(cycle.step.decision.status, cycle.reading.status, reason)
 }
 
 fn judged(status: Status, port: PortStatus, reason: Option<String>) -> Option<(Exit, String)> {
-    // a run that ends stops its arm: then what is wrong is the port's alone
-    let asked = matches!(status, Status::Stopped(StopReason::Started | StopReason::Asked));
-    let by_law = !asked && matches!(status, Status::Stopped(_) | Status::Fault(_));
+    let by_law = match status {
+        Status::Fault(_) | Status::Stopped(StopReason::TwoSenders | StopReason::SetPointRefused) => true,
+        Status::Stopped(StopReason::Started | StopReason::Asked | StopReason::Ending)
+        | Status::Armed(_)
+        | Status::Engaged
+        | Status::Hold(_) => false,
+    };
     let exit = match port {
         PortStatus::Lost => Exit::DeviceLost,
         PortStatus::Fault(_) => Exit::Safety,

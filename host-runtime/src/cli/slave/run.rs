@@ -44,6 +44,7 @@ pub(super) struct Run {
     sender_pressed: bool,
     /// A reset that waits for the arm to be switched on.
     reset: Option<Resetting>,
+    last: Option<Cycle>,
     /// How the run ends, where not well.
     worst: Option<(Exit, String)>,
 }
@@ -78,6 +79,7 @@ impl Run {
             sender_pressed: false,
             reset: None,
             keyboard,
+            last: None,
             worst: None,
         }
     }
@@ -116,6 +118,7 @@ impl Run {
             let cycle = self.station.cycle(self.micros(Instant::now()));
             self.tell(&cycle, Instant::now());
             self.write(&cycle)?;
+            self.last = Some(cycle);
             if self.keyboard.is_none() && self.note_worst(&cycle) {
                 return self.shut_down();
             }
@@ -241,6 +244,9 @@ impl Run {
 
     /// Brings the arm to rest within its limits, then stops it at its port, and judges how it stands.
     fn shut_down(&mut self) -> Result<(), Failure> {
+        if let Some(last) = self.last {
+            self.judge(&last);
+        }
         self.station.stop();
         let began = Instant::now();
         let mut due = began;
