@@ -95,7 +95,8 @@ pub struct SearchConfig {
     pub min_match_256: u32,
     /// Pixels a global search may test with one threshold, as a multiple of the region's own. It
     /// bounds the worst case, a picture in which everything has the ball's colour: this times the
-    /// picture, times 2 (1 + [`RETRIES`] + [`GLOBAL_RETRIES`]) thresholds, for each lost ball.
+    /// picture, times 2 (1 + [`RETRIES`] + [`GLOBAL_RETRIES`]) thresholds, for each lost ball; a third
+    /// of that where it has been lost for longer than two frames.
     pub global_budget: f32,
     /// Spirals that one search may start. With the bound of each it bounds the work of a search in a
     /// picture made of specks: this times (spiral_diameters x d + 2)^2 coordinates.

@@ -53,6 +53,13 @@ impl Painter {
         }
     }
 
+    /// All of it in so much of the light.
+    pub(crate) fn dim(&mut self, share: f32) {
+        for value in &mut self.data {
+            *value = (f32::from(*value) * share + 0.5) as u8;
+        }
+    }
+
     fn mix(&mut self, x: i32, y: i32, colour: Rgb, share: f32) {
         if x < 0 || y < 0 || x >= Self::WIDTH || y >= Self::HEIGHT {
             return;

@@ -100,6 +100,8 @@ pub(super) struct BallTrack {
     settled: (Attempt, f32),
     /// Since when its finds have been doubtful.
     doubtful_since: Option<u64>,
+    /// Frames in a row in which it was not found.
+    missed: u32,
 }
 
 impl BallTrack {
@@ -117,11 +119,13 @@ impl BallTrack {
             round: 0,
             settled: (Attempt::AsBefore, 0.0),
             doubtful_since: None,
+            missed: 0,
         })
     }
 
     pub(super) fn place(&mut self, centre: ImagePoint) {
         self.placed = Some(centre);
+        self.missed = 0;
         self.last = None;
         self.velocity = ImagePoint::default();
     }
@@ -172,6 +176,11 @@ impl BallTrack {
         }
     }
 
+    /// Frames in a row in which it was not found.
+    pub(super) const fn missed(&self) -> u32 {
+        self.missed
+    }
+
     /// The standard deviation of its place where it is expected and nobody sees it, pixels.
     pub(super) fn predicted_to(&self, absent_us: u64) -> f32 {
         let strayed = self.forecast.sigma(self.diameter(), absent_us);
@@ -200,10 +209,12 @@ impl BallTrack {
         };
         self.last = Some(Fix { t_us, centre });
         self.placed = None;
+        self.missed = 0;
     }
 
     pub(super) fn missing(&mut self) {
         self.placed = None;
+        self.missed = self.missed.wrapping_add(1);
         self.round = 0;
         self.appearance.doubt();
     }

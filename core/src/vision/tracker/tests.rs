@@ -244,6 +244,32 @@ fn balls_that_move_on_their_own_are_found_anywhere() {
     assert!(off(&report, Ball::Red, places[0]) < 0.5);
 }
 
+/// What is out of sight for long costs a share of the whole search, and is found when it is back, in the
+/// same light at once.
+#[test]
+fn four_balls_out_of_sight_hold_up_nothing_and_are_found_again() {
+    for light in [1.0, 0.75] {
+        let mut tracker = tracker(TrackerConfig::default());
+        for frame in 0..5 {
+            step(&mut tracker, &with_balls(PLACES), frame);
+        }
+        let bare = Painter::new();
+        let first = step(&mut tracker, &bare, 5).tested;
+        let away: std::vec::Vec<_> = (6..40).map(|frame| step(&mut tracker, &bare, frame)).collect();
+        assert!(away.iter().all(|report| report.modes == [Mode::Lost; BALLS]));
+        let most = away.iter().skip(1).map(|report| report.tested).max().unwrap();
+        assert!(most * 3 < first, "{most} of {first} pixels");
+        let mut back = with_balls(PLACES.map(|(u, v)| (u + 60.0, v - 30.0)));
+        back.dim(light);
+        let found = (40..46).find(|frame| {
+            let report = step(&mut tracker, &back, *frame);
+            report.observations.iter().all(|ball| ball.state == ObservationState::Visible)
+        });
+        let latest = if light < 1.0 { 45 } else { 40 };
+        assert!(found.is_some_and(|frame| frame <= latest), "in {light} of the light: {found:?}");
+    }
+}
+
 #[test]
 fn a_prediction_from_outside_is_used_and_nonsense_is_not() {
     let mut tracker = tracker(TrackerConfig::default());
