@@ -73,7 +73,9 @@ impl Held {
     /// How long to wait for the next repeat.
     fn next_repeat(&self) -> Duration {
         let known = self.gaps.iter().flatten();
-        let largest = if self.gaps.contains(&None) { None } else { known.max() };
+        // where a release is told, nothing has to be guessed from the gaps
+        let guess = !self.tells_releases && !self.gaps.contains(&None);
+        let largest = if guess { known.max() } else { None };
         largest.map_or(LONGEST_GAP, |gap| (*gap * 2).clamp(SHORTEST_GAP, LONGEST_GAP))
     }
 
@@ -252,6 +254,11 @@ mod tests {
         assert_eq!(keyboard.key(press(KeyCode::Char(' ')), now), None);
         assert!(keyboard.is_held(now) && keyboard.is_held(now + 690 * MS), "before the first repeat");
         assert!(keyboard.take_strike() && !keyboard.take_strike());
+        for repeat in 0..20 {
+            let _ = keyboard.key(press(KeyCode::Char(' ')), now + repeat * 33 * MS);
+        }
+        let now = now + 19 * 33 * MS;
+        assert!(keyboard.is_held(now + 199 * MS), "it need not be guessed");
         let release = KeyEvent::new_with_kind(KeyCode::Char(' '), KeyModifiers::NONE, KeyEventKind::Release);
         assert_eq!(keyboard.key(release, now), None);
         assert!(!keyboard.is_held(now));
