@@ -14,6 +14,8 @@
 //! | as a device sends it | `formats` | RGB888 -> every pixel format of `tetrad-core` |
 //! | what it was last time | `golden` | name, hash -> equal or not |
 //!
+//! Beside that, packets as stations send them ([`packets`]).
+//!
 //! Conventions: world x towards the cameras, y to the right as they see it, z up; metres, seconds,
 //! radians. A camera looks along its z, x right, y down. Pixel centres are at integers, (0, 0) the
 //! centre of the top-left pixel. Balls are ordered red, green, blue, yellow. A frame's time is the
@@ -36,6 +38,7 @@ mod motion;
 mod noise;
 mod occluder;
 mod outline;
+pub mod packets;
 mod paint;
 mod render;
 mod scene;

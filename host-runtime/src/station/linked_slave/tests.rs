@@ -168,6 +168,7 @@ const NONE: Faults = Faults {
     jitter_us: 0,
     duplication: 0.0,
     corruption: 0.0,
+    unseen: false,
     replay: 0.0,
     cut: None,
 };
