@@ -9,8 +9,8 @@ use nalgebra::{Matrix3, Vector3};
 use std::fs;
 use std::path::Path;
 use tetrad_core::geometry::Pose;
-use tetrad_core::hand::state::PoseState;
 use tetrad_core::wire::{MAX_FRAME_LEN, MotionPacket, Packet, Transform, encode};
+use tetrad_fixtures::packets;
 
 const FRAME_US: u64 = 33_333;
 
@@ -23,19 +23,10 @@ fn hand(frame: u32) -> Vector3<f32> {
 fn packet(frame: u32) -> MotionPacket {
     let pose = |translation| Transform::from(Pose { rotation: Matrix3::identity(), translation });
     MotionPacket {
-        session: 9,
-        sequence: frame,
         capture_us: 5_000_000 + u64::from(frame) * FRAME_US,
-        engaged: true,
-        engagements: 1,
-        state: PoseState::Both,
-        spans: 1,
-        views: 2,
-        seen_in: [2; 4],
-        residual_px: 0.1,
         increment: pose(hand(frame) - hand(frame.saturating_sub(1))),
         since_engage: pose(hand(frame)),
-        covariance: None,
+        ..packets::motion(9, frame)
     }
 }
 

@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 use tetrad::link::{Carrier as _, Identity, Link, LinkConfig, Peer, PeerConfig};
 use tetrad::robot::clock::Clock;
 use tetrad::station::SlaveAnnouncement;
-use tetrad_core::hand::state::PoseState;
-use tetrad_core::wire::{ArmState, ArmStatePacket, ButtonsPacket, MotionPacket, Transform};
+use tetrad_core::wire::{ArmState, ArmStatePacket, ButtonsPacket, MotionPacket};
+use tetrad_fixtures::packets;
 
 const LONG: Duration = Duration::from_secs(30);
 
@@ -75,23 +75,7 @@ impl Operator {
         let config = LinkConfig { listen: None, peers, picture_bytes_per_s: 1_000_000 };
         let link = Link::start(&config, &identity, Clock::wall()).unwrap();
         let session = link.session();
-        let motion = MotionPacket {
-            session,
-            sequence: 0,
-            capture_us: 0,
-            engaged: true,
-            engagements: 1,
-            state: PoseState::Both,
-            spans: 1,
-            views: 2,
-            seen_in: [2; 4],
-            residual_px: 0.1,
-            increment: Transform::IDENTITY,
-            since_engage: Transform::IDENTITY,
-            covariance: None,
-        };
-        let buttons =
-            ButtonsPacket { session, sequence: 0, time_us: 0, pressed: false, stop: false, resets: 0 };
+        let (motion, buttons) = (packets::motion(session, 0), packets::buttons(session, 0));
         Self { slave: link.peer(&name).unwrap(), link, motion, buttons, state: None }
     }
 

@@ -28,8 +28,9 @@ use tetrad_core::vision::learn::{HorizontalScan, learn};
 use tetrad_core::vision::tracker::CameraTracker;
 use tetrad_core::wire::{
     Covariance, Decoder, Feed, MAX_BODY_LEN, MAX_FRAME_LEN, MotionPacket, ObservationPacket, Packet,
-    Transform, decode_body, encode, encode_body,
+    decode_body, encode, encode_body,
 };
+use tetrad_fixtures::packets;
 
 thread_local! {
     /// Allocations of this thread: tests run in threads, and each looks at its own.
@@ -173,34 +174,14 @@ fn tracking_and_motion_allocate_nothing() {
 
 #[test]
 fn packets_allocate_nothing() {
-    let observations = Packet::from(ObservationPacket {
-        camera: 1,
-        session: 7,
-        sequence: u32::MAX,
+    let observations = ObservationPacket {
         capture_us: u64::MAX,
         ready_us: u32::MAX,
         observed_us: u32::MAX,
-        width: 640,
-        height: 480,
-        pixels_tested: 4000,
-        balls: [Observation::default(); BALLS],
-    });
-    let motion = Packet::from(MotionPacket {
-        session: 7,
-        sequence: 8,
-        capture_us: 9,
-        engaged: true,
-        engagements: 1,
-        state: PoseState::Both,
-        spans: 1,
-        views: 2,
-        seen_in: [2; BALLS],
-        residual_px: 0.1,
-        increment: Transform::IDENTITY,
-        since_engage: Transform::IDENTITY,
-        covariance: Some(Covariance { upper: [0.0; 21] }),
-    });
-    for packet in [observations, motion] {
+        ..packets::observation(7, u32::MAX)
+    };
+    let motion = MotionPacket { covariance: Some(Covariance { upper: [0.0; 21] }), ..packets::motion(7, 8) };
+    for packet in [Packet::from(observations), motion.into()] {
         let ((), allocations) = counted(|| {
             let mut body = [0; MAX_BODY_LEN];
             let length = encode_body(&packet, &mut body).unwrap_or(0);

@@ -4,6 +4,7 @@ use std::fmt;
 use std::net::SocketAddr;
 
 use super::name::StationName;
+use super::socket::RECEIVE_BUFFER;
 
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +32,11 @@ pub enum LinkEvent {
         /// Why not.
         reason: String,
     },
+    /// Less room for what comes than is wanted ([`RECEIVE_BUFFER`]), told once.
+    SmallBuffer {
+        /// What the system gives, bytes.
+        granted: usize,
+    },
     /// Somebody was turned away.
     Refused {
         /// From where.
@@ -50,6 +56,14 @@ impl fmt::Display for LinkEvent {
             Self::NotReached { peer, address, reason } => {
                 write!(f, "link: {peer} is not reached at {address}: {reason}")
             }
+            Self::SmallBuffer { granted } => write!(
+                f,
+                "link: the system keeps {} kB of what comes while this computer is busy, of {} wanted: set \
+                 net.core.rmem_max={} (docs/deploy.md)",
+                granted / 1024,
+                RECEIVE_BUFFER / 1024,
+                RECEIVE_BUFFER / 2,
+            ),
             Self::Refused { address, reason, untold } => {
                 write!(f, "link: {address} is refused: {reason}")?;
                 if *untold > 0 {

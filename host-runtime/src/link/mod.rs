@@ -13,6 +13,7 @@
 //! | job | file |
 //! |---|---|
 //! | names, the authority, who a station is, TLS | `name`, [`authority`], `identity`, `tls` |
+//! | the port, and what may come through it | [`socket`] |
 //! | connections made, dialled, lost, made again | `connect`, `transport`, `closing` |
 //! | one connection for packets, one for pictures | `session`, `pictures` |
 //! | what is on the streams | [`message`], [`picture`] |
@@ -55,6 +56,7 @@ mod pictures;
 mod refusals;
 mod session;
 mod shared;
+pub mod socket;
 #[cfg(test)]
 mod test_packets;
 mod tls;
@@ -76,8 +78,9 @@ use news::News;
 use peer::PeerShared;
 use quinn::{ClientConfig, Endpoint, EndpointConfig, ServerConfig, TokioRuntime, TransportConfig};
 use shared::LinkShared;
+use socket::MarkedIds;
 use std::io;
-use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
+use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -184,14 +187,20 @@ impl Link {
 
         let address = config.listen.unwrap_or(SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)));
         let listen = |error| LinkError::Listen(address, error);
-        let socket = UdpSocket::bind(address).map_err(listen)?;
+        let mark = tls::random_u32().map_err(tls)?.to_be_bytes();
+        let (socket, receive_buffer) = socket::bind(address, mark).map_err(listen)?;
+        if receive_buffer < socket::RECEIVE_BUFFER {
+            shared.tell(LinkEvent::SmallBuffer { granted: receive_buffer });
+        }
+        let mut quic = EndpointConfig::default();
+        // the socket's filter goes by both
+        quic.cid_generator(move || Box::new(MarkedIds::new(mark))).grease_quic_bit(false);
         let local = socket.local_addr().map_err(listen)?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(LinkError::Thread)?;
         let endpoint = {
             let _inside = runtime.enter();
-            Endpoint::new(EndpointConfig::default(), server, socket, Arc::new(TokioRuntime))
-                .map_err(listen)?
+            Endpoint::new(quic, server, socket, Arc::new(TokioRuntime)).map_err(listen)?
         };
         let (stop, stopped) = oneshot::channel();
         let theirs = Arc::clone(&shared);

@@ -1,44 +1,16 @@
 //! Packets to bytes and back.
 
 use divan::{Bencher, black_box};
-use tetrad_core::hand::state::PoseState;
-use tetrad_core::observation::{BALLS, Observation};
-use tetrad_core::wire::{
-    Decoder, Feed, MAX_FRAME_LEN, MotionPacket, ObservationPacket, Packet, Transform, encode,
-};
+use tetrad_core::wire::{Decoder, Feed, MAX_FRAME_LEN, ObservationPacket, Packet, encode};
+use tetrad_fixtures::packets;
 
 const KINDS: [&str; 2] = ["observations", "motion"];
 
 fn packet(kind: &str) -> Packet {
     if kind == "motion" {
-        Packet::from(MotionPacket {
-            session: 7,
-            sequence: 8,
-            capture_us: 9,
-            engaged: true,
-            engagements: 1,
-            state: PoseState::Both,
-            spans: 1,
-            views: 2,
-            seen_in: [2; BALLS],
-            residual_px: 0.1,
-            increment: Transform::IDENTITY,
-            since_engage: Transform::IDENTITY,
-            covariance: None,
-        })
+        packets::motion(7, 8).into()
     } else {
-        Packet::from(ObservationPacket {
-            camera: 1,
-            session: 7,
-            sequence: u32::MAX,
-            capture_us: u64::MAX,
-            ready_us: 2_000,
-            observed_us: 2_500,
-            width: 640,
-            height: 480,
-            pixels_tested: 4000,
-            balls: [Observation::default(); BALLS],
-        })
+        ObservationPacket { capture_us: u64::MAX, ..packets::observation(7, u32::MAX) }.into()
     }
 }
 

@@ -270,10 +270,7 @@ fn flood(cell: &Cell, length: Duration) -> Result<String, String> {
     }
     let left: usize =
         rows.windows(2).filter(|pair| pair[0].state == "engaged" && pair[1].state == "hold").count();
-    let _ = writeln!(
-        report,
-        "the arm held {left} times for want of fresh commands: what garbage crowds out is lost"
-    );
+    let _ = writeln!(report, "the arm held {left} times for want of fresh commands");
     Ok(report)
 }
 

@@ -63,7 +63,7 @@ fn strangers_get_nothing_and_are_told_of() {
             let to_operator = only_peer(&slave);
             let client = stranger(&own, shown, lane.alpn());
             assert!(!runtime().block_on(try_everything(client, slave.local_address())), "{who}");
-            let event = wait_for(who, || slave.events().pop()).to_string();
+            let event = wait_for(who, || next_event(&slave)).to_string();
             assert!(event.contains("is refused") && event.contains(expected), "{who}: {event}");
             let stats = to_operator.stats();
             assert_eq!((stats.connected, stats.heard_us, to_operator.motion()), (0, None, None));
@@ -82,7 +82,7 @@ fn one_that_speaks_another_version_is_told_so() {
         let slave = listener(&keys, "slave", &["operator"]);
         let client = stranger(&operator, Some(&operator), alpn);
         assert!(!runtime().block_on(try_everything(client, slave.local_address())));
-        let event = wait_for("a line", || slave.events().pop()).to_string();
+        let event = wait_for("a line", || next_event(&slave)).to_string();
         assert!(event.contains("different versions"), "{event}");
     }
 }
@@ -98,7 +98,7 @@ fn a_station_does_not_talk_to_one_of_another_name_or_authority() {
         (false_slave.local_address(), "of another authority"),
     ] {
         let operator = dialler(&ours, "operator", "slave", address);
-        let event = wait_for("a line", || operator.events().pop()).to_string();
+        let event = wait_for("a line", || next_event(&operator)).to_string();
         assert!(event.contains("slave is not reached at"), "{event}");
         assert!(event.contains(expected) || event.contains("not that of a configured peer"), "{event}");
         assert!(!only_peer(&operator).is_connected());

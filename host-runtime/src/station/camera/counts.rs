@@ -84,6 +84,7 @@ fn histogram() -> Histogram<u64> {
 mod tests {
     use super::*;
     use tetrad_core::observation::Observation;
+    use tetrad_fixtures::packets;
 
     #[test]
     fn states_and_times_are_counted() {
@@ -92,18 +93,7 @@ mod tests {
         let mut balls = [Observation::default(); BALLS];
         balls[1].state = ObservationState::Visible;
         for (ready_us, observed_us) in [(900, 1_000), (1_000, 1_300)] {
-            let packet = ObservationPacket {
-                camera: 0,
-                session: 1,
-                sequence: 2,
-                capture_us: 3,
-                ready_us,
-                observed_us,
-                width: 640,
-                height: 480,
-                pixels_tested: 9,
-                balls,
-            };
+            let packet = ObservationPacket { ready_us, observed_us, balls, ..packets::observation(1, 2) };
             counts.add(&packet, 5);
         }
         let lines = counts.lines();

@@ -1,6 +1,6 @@
 use super::*;
-use tetrad_core::observation::Observations;
 use tetrad_core::wire::{ArmReason, ArmState, ArmVerdict, CommandEcho, ControllerState, Settled, Transform};
+use tetrad_fixtures::packets;
 
 const SESSION: u32 = 7;
 
@@ -55,18 +55,7 @@ fn about(delays: &Delays, stage: Stage, us: u64, count: u64) {
 #[test]
 fn each_stage_is_the_time_between_two_stamps() {
     let mut delays = Delays::new(SESSION);
-    let what = ObservationPacket {
-        camera: 0,
-        session: 1,
-        sequence: 2,
-        capture_us: 500,
-        ready_us: 4_000,
-        observed_us: 4_300,
-        width: 640,
-        height: 480,
-        pixels_tested: 0,
-        balls: Observations::default(),
-    };
+    let what = ObservationPacket { ready_us: 4_000, observed_us: 4_300, ..packets::observation(1, 2) };
     delays.observed(&Received { what, received_us: 1_004_700, captured_us: Some(1_000_000) });
     delays.observed(&Received { what, received_us: 1_004_700, captured_us: None });
     about(&delays, Stage::Ready, 4_000, 2);

@@ -6,8 +6,8 @@ use crate::link::faulty::{Faults, FaultyEnd, pair};
 use crate::robot::simulated::{Mischief, SimulatedArm, SimulatedOptions};
 use crate::station::arm_words;
 use tetrad_core::arm::teleop::State;
-use tetrad_core::hand::state::PoseState;
-use tetrad_core::wire::{ArmReason, ArmState, ArmStatePacket, ControllerState, Settled, Transform};
+use tetrad_core::wire::{ArmReason, ArmState, ArmStatePacket, ControllerState, Settled};
+use tetrad_fixtures::packets;
 
 const OPERATOR: u32 = 7;
 const SLAVE: u32 = 8;
@@ -51,14 +51,6 @@ impl Rig {
         let [operator, end] = pair(3, faults, &clock);
         end.begin(OPERATOR).unwrap();
         operator.begin(SLAVE).unwrap();
-        let buttons = ButtonsPacket {
-            session: OPERATOR,
-            sequence: 0,
-            time_us: 0,
-            pressed: false,
-            stop: false,
-            resets: 0,
-        };
         Self {
             slave: LinkedSlave::new(&config, Box::new(arm), end, SLAVE).unwrap(),
             clock,
@@ -68,7 +60,7 @@ impl Rig {
             cycle_due_us: 0,
             frame_due_us: 0,
             sequence: 0,
-            buttons,
+            buttons: packets::buttons(OPERATOR, 0),
             sends: (true, true),
             speed_m_s: 0.1,
             began_us: u64::MAX,
@@ -100,21 +92,8 @@ impl Rig {
     fn send(&mut self, now_us: u64) {
         self.sequence += 1;
         let x_m = self.speed_m_s * now_us.saturating_sub(self.began_us) as f32 / 1e6;
-        let motion = MotionPacket {
-            session: self.buttons.session,
-            sequence: self.sequence,
-            capture_us: now_us,
-            engaged: true,
-            engagements: 1,
-            state: PoseState::Both,
-            spans: 1,
-            views: 2,
-            seen_in: [2; 4],
-            residual_px: 0.1,
-            increment: Transform::IDENTITY,
-            since_engage: Transform { translation: [x_m, 0.0, 0.0], ..Transform::IDENTITY },
-            covariance: None,
-        };
+        let motion = packets::motion_to(self.buttons.session, self.sequence, [x_m, 0.0, 0.0]);
+        let motion = MotionPacket { capture_us: now_us, ..motion };
         self.buttons.sequence = self.sequence;
         self.buttons.time_us = now_us;
         if self.sends.0 {

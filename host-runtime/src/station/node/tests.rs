@@ -4,23 +4,12 @@ use super::*;
 use serialport::TTYPort;
 use std::io::Write as _;
 use std::time::Instant;
-use tetrad_core::observation::{BALLS, Observation};
 use tetrad_core::wire::{MAX_FRAME_LEN, encode};
+use tetrad_fixtures::packets;
 
 /// Made 3 ms after the exposure.
 pub(super) fn packet(session: u32, sequence: u32, capture_us: u64) -> ObservationPacket {
-    ObservationPacket {
-        camera: 0,
-        session,
-        sequence,
-        capture_us,
-        ready_us: 1_000,
-        observed_us: 3_000,
-        width: 320,
-        height: 240,
-        pixels_tested: 100,
-        balls: [Observation::default(); BALLS],
-    }
+    ObservationPacket { capture_us, width: 320, height: 240, ..packets::observation(session, sequence) }
 }
 
 pub(super) fn frame(packet: &ObservationPacket) -> Vec<u8> {

@@ -5,6 +5,7 @@ use tetrad_core::arm::slave::{ArmReading, Slave};
 use tetrad_core::arm::teleop::Command;
 use tetrad_core::config::SlaveConfig;
 use tetrad_core::wire::Transform;
+use tetrad_fixtures::packets;
 
 const FRAME_US: u64 = 16_667;
 const CYCLE_US: u64 = 10_000;
@@ -17,21 +18,7 @@ fn hand(now_us: u64) -> [f32; 3] {
 }
 
 fn motion(sequence: u32, captured_us: u64) -> MotionPacket {
-    MotionPacket {
-        session: 1,
-        sequence,
-        capture_us: captured_us,
-        engaged: true,
-        engagements: 1,
-        state: PoseState::Both,
-        spans: 1,
-        views: 2,
-        seen_in: [2; 4],
-        residual_px: 0.1,
-        increment: Transform::IDENTITY,
-        since_engage: Transform { translation: hand(captured_us), ..Transform::IDENTITY },
-        covariance: None,
-    }
+    MotionPacket { capture_us: captured_us, ..packets::motion_to(1, sequence, hand(captured_us)) }
 }
 
 /// An arm whose joints are where they are told to be follows the hand over a way of `way_us`.
