@@ -4,6 +4,7 @@ mod notes;
 
 use super::say;
 use crate::exit::{Exit, Failure, OrExit as _};
+use crate::link::MDNS;
 use crate::settings::Start;
 use crate::settings::station::{
     CameraSettings, CameraStart, HandCamera, LocalCamera, NetworkSettings, OperatorSettings, SceneCamera,
@@ -80,15 +81,21 @@ fn row(label: &str, text: impl Display) {
 }
 
 fn tell_network(network: &NetworkSettings) {
-    let NetworkSettings { name, keys, link } = network;
+    let NetworkSettings { name, keys, announce, link } = network;
     row("station", format_args!("{name}, with its certificate and key in {}", keys.display()));
     match link.listen {
         Some(address) => row("listens", format_args!("on {address} (UDP)")),
         None => row("listens", "nowhere: it dials"),
     }
+    if *announce {
+        row("announced", "on the local network, by multicast DNS");
+    }
     for peer in &link.peers {
         let name = &peer.name;
         match &peer.address {
+            Some(address) if address == MDNS => {
+                row("peer", format_args!("{name}, dialled where it announces itself on the local network"));
+            }
             Some(address) => row("peer", format_args!("{name}, dialled at {address}")),
             None => row("peer", format_args!("{name}, which dials this station")),
         }

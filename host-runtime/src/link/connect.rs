@@ -1,6 +1,7 @@
 //! How connections come to be: by being dialled, and by dialling.
 
 use super::closing::{Closing, in_words};
+use super::discovery::MDNS;
 use super::event::LinkEvent;
 use super::peer::PeerShared;
 use super::shared::LinkShared;
@@ -118,23 +119,24 @@ pub(super) async fn dial(
     let (shortest, longest) = BACK_OFF;
     let mut back_off = shortest;
     let mut told = None;
-    loop {
+    for attempt in 0.. {
         while peer.has(lane) {
             // it has dialled itself
             sleep(longest).await;
         }
-        let reason = match timeout(HANDSHAKE, reach(&endpoint, &config, &peer, &address)).await {
-            Ok(Ok(connection)) => {
-                let carried = carry(&connection, lane, &link, &peer).await;
-                if carried.greeted {
-                    back_off = shortest;
-                    told = None;
+        let reason =
+            match timeout(HANDSHAKE, reach(&endpoint, &config, (&link, &peer), (&address, attempt))).await {
+                Ok(Ok(connection)) => {
+                    let carried = carry(&connection, lane, &link, &peer).await;
+                    if carried.greeted {
+                        back_off = shortest;
+                        told = None;
+                    }
+                    (!carried.greeted).then_some(carried.reason)
                 }
-                (!carried.greeted).then_some(carried.reason)
-            }
-            Ok(Err(reason)) => Some(reason),
-            Err(_) => Some("no answer".to_owned()),
-        };
+                Ok(Err(reason)) => Some(reason),
+                Err(_) => Some("no answer".to_owned()),
+            };
         if let Some(reason) = reason.filter(|_| lane == Lane::Motion)
             && told.as_ref() != Some(&reason)
         {
@@ -149,18 +151,28 @@ pub(super) async fn dial(
 async fn reach(
     endpoint: &Endpoint,
     config: &ClientConfig,
-    peer: &PeerShared,
-    address: &str,
+    (link, peer): (&LinkShared, &PeerShared),
+    (address, attempt): (&str, usize),
 ) -> Result<Connection, String> {
     let local = endpoint.local_addr().map_err(|error| error.to_string())?;
-    let resolved = tokio::net::lookup_host(address).await.map_err(|error| error.to_string())?;
-    let same_family = |remote: &SocketAddr| remote.is_ipv4() == local.is_ipv4();
-    let remote = resolved.into_iter().find(same_family).ok_or_else(|| {
-        let family = if local.is_ipv4() { "IPv4" } else { "IPv6" };
-        format!("it has no {family} address, and this station listens on {local}")
-    })?;
+    let remote = match &link.discovery {
+        Some(discovery) if address == MDNS => {
+            let announced = discovery.address(&peer.name, attempt, local.is_ipv4());
+            announced.ok_or_else(|| "nobody on this network has announced it yet".to_owned())?
+        }
+        _ => resolve(address, local).await?,
+    };
     let connecting = endpoint
         .connect_with(config.clone(), remote, peer.name.as_str())
         .map_err(|error| error.to_string())?;
     connecting.await.map_err(|error| in_words(&error))
+}
+
+async fn resolve(address: &str, local: SocketAddr) -> Result<SocketAddr, String> {
+    let resolved = tokio::net::lookup_host(address).await.map_err(|error| error.to_string())?;
+    let same_family = |remote: &SocketAddr| remote.is_ipv4() == local.is_ipv4();
+    resolved.into_iter().find(same_family).ok_or_else(|| {
+        let family = if local.is_ipv4() { "IPv4" } else { "IPv6" };
+        format!("it has no {family} address, and this station listens on {local}")
+    })
 }

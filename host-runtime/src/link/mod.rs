@@ -15,6 +15,7 @@
 //! | names, the authority, who a station is, TLS | `name`, [`authority`], `identity`, `tls` |
 //! | the port, and what may come through it | [`socket`] |
 //! | connections made, dialled, lost, made again | `connect`, `transport`, `closing` |
+//! | stations that announce themselves, where to dial those | [`discovery`], `announced` |
 //! | one connection for packets, one for pictures | `session`, `pictures` |
 //! | what is on the streams | [`message`], [`picture`] |
 //! | the newest only, either way | `outbox`, [`inbox`], `gate` |
@@ -35,11 +36,13 @@
 //! - **Times.** The age of a packet is counted from when it came, by this station's clock. When it was
 //!   captured is told from the measured offset of the clocks, and is for pairing and figures alone.
 
+mod announced;
 pub mod authority;
 pub mod carrier;
 pub mod clock;
 mod closing;
 mod connect;
+pub mod discovery;
 mod event;
 pub mod faulty;
 mod gate;
@@ -63,6 +66,7 @@ mod tls;
 mod transport;
 
 pub use carrier::Carrier;
+pub use discovery::{Discovery, DiscoveryError, MDNS};
 pub use event::LinkEvent;
 pub use gate::Counts;
 pub use identity::{Identity, IdentityError};
@@ -74,6 +78,7 @@ pub use peer::{ConfigurationTooLong, LinkStats, Peer};
 pub use picture::Picture;
 
 use crate::robot::clock::Clock;
+use discovery::Scope;
 use news::News;
 use peer::PeerShared;
 use quinn::{ClientConfig, Endpoint, EndpointConfig, ServerConfig, TokioRuntime, TransportConfig};
@@ -118,7 +123,8 @@ pub struct LinkConfig {
 pub struct PeerConfig {
     /// What it is called, in its certificate too.
     pub name: StationName,
-    /// HOST:PORT to dial; `None` where it dials. One of the two has to.
+    /// HOST:PORT to dial, or [`MDNS`] to look it up on the local network; `None` where it dials. One of
+    /// the two has to.
     pub address: Option<String>,
 }
 
@@ -137,6 +143,9 @@ pub enum LinkError {
     /// The certificate or the key cannot be used.
     #[error("the certificate or the key of `{0}` cannot be used; make new ones with `tetrad keys`")]
     Tls(StationName, #[source] rustls::Error),
+    /// Stations cannot be looked up on the local network.
+    #[error("stations cannot be looked up on the local network")]
+    Discovery(#[from] DiscoveryError),
     /// The thread cannot be started.
     #[error("the link's thread cannot be started")]
     Thread(#[source] io::Error),
@@ -157,6 +166,22 @@ impl Link {
     /// # Errors
     /// [`LinkError`]
     pub fn start(config: &LinkConfig, identity: &Identity, clock: Clock) -> Result<Self, LinkError> {
+        let sought = config.sought();
+        let discovery =
+            if sought.is_empty() { None } else { Some(Discovery::start(sought, Scope::Network)?) };
+        Self::start_with(config, identity, clock, discovery)
+    }
+
+    /// The same with what looks stations up on the local network, which may announce this one as well.
+    ///
+    /// # Errors
+    /// [`LinkError`]
+    pub fn start_with(
+        config: &LinkConfig,
+        identity: &Identity,
+        clock: Clock,
+        discovery: Option<Discovery>,
+    ) -> Result<Self, LinkError> {
         config.check(identity.name())?;
         let tls = |error| LinkError::Tls(identity.name().clone(), error);
         let transport = Arc::new(transport::config());
@@ -183,7 +208,9 @@ impl Link {
         let peers = config.peers.iter().map(peer).collect();
         let name = identity.name().clone();
         let rate = config.picture_bytes_per_s;
-        let shared = Arc::new(LinkShared::new(name, session, clock.clone(), rate, peers, Arc::clone(&news)));
+        let mut shared = LinkShared::new(name, session, clock.clone(), rate, peers, Arc::clone(&news));
+        shared.discovery = discovery;
+        let shared = Arc::new(shared);
 
         let address = config.listen.unwrap_or(SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)));
         let listen = |error| LinkError::Listen(address, error);
@@ -221,6 +248,17 @@ impl Link {
     #[must_use]
     pub const fn local_address(&self) -> SocketAddr {
         self.local
+    }
+
+    /// Announces this station on the local network, where it can look others up or `discovery` was given.
+    ///
+    /// # Errors
+    /// [`DiscoveryError`]
+    pub fn announce(&self) -> Result<(), DiscoveryError> {
+        match &self.shared.discovery {
+            Some(discovery) => discovery.announce(&self.shared.name, self.local),
+            None => Ok(()),
+        }
     }
 
     /// The peer of that name.
@@ -266,6 +304,13 @@ impl Drop for Link {
 }
 
 impl LinkConfig {
+    /// The peers that are to be looked up on the local network.
+    #[must_use]
+    pub fn sought(&self) -> Vec<StationName> {
+        let sought = self.peers.iter().filter(|peer| peer.address.as_deref() == Some(MDNS));
+        sought.map(|peer| peer.name.clone()).collect()
+    }
+
     /// Whether these peers can be told apart and reached; `own` is the station itself.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! What the thread of the network and the station's loops share.
 
+use super::discovery::Discovery;
 use super::event::LinkEvent;
 use super::name::StationName;
 use super::news::News;
@@ -25,6 +26,8 @@ pub(super) struct LinkShared {
     pub(super) picture_bytes_per_s: u32,
     pub(super) peers: Vec<Arc<PeerShared>>,
     pub(super) news: Arc<News>,
+    /// What looks peers up on the local network.
+    pub(super) discovery: Option<Discovery>,
     events: Mutex<VecDeque<LinkEvent>>,
     sessions: Mutex<VecDeque<(u32, StationName)>>,
     refusals: Mutex<Refusals>,
@@ -46,6 +49,7 @@ impl LinkShared {
             picture_bytes_per_s,
             peers,
             news,
+            discovery: None,
             events: Mutex::default(),
             sessions: Mutex::default(),
             refusals: Mutex::default(),

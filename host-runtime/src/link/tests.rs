@@ -7,6 +7,7 @@ use std::net::UdpSocket;
 use std::time::Instant;
 use tempfile::TempDir;
 
+mod discovery;
 mod relay;
 mod strangers;
 mod twins;

@@ -1,8 +1,10 @@
 //! `[station]` and `[[peer]]`: who the station is, and whom it talks to.
 
 use crate::exit::{Exit, Failure};
+use crate::link::discovery::Scope;
 use crate::link::{
-    Identity, IdentityError, Link, LinkConfig, LinkError, PICTURE_BYTES_PER_S, PeerConfig, StationName,
+    Discovery, DiscoveryError, Identity, IdentityError, Link, LinkConfig, LinkError, MDNS,
+    PICTURE_BYTES_PER_S, PeerConfig, StationName,
 };
 use crate::robot::clock::Clock;
 use crate::settings::file::Problem;
@@ -19,6 +21,7 @@ pub(in crate::settings) struct StationToml {
     name: String,
     keys: PathBuf,
     listen: Option<String>,
+    announce: Option<bool>,
     picture_kb_per_s: Option<f64>,
 }
 
@@ -36,6 +39,8 @@ pub struct NetworkSettings {
     pub name: StationName,
     /// Where its certificate and key are.
     pub keys: PathBuf,
+    /// Whether it announces itself on the local network.
+    pub announce: bool,
     /// Where it listens, and its peers.
     pub link: LinkConfig,
 }
@@ -60,6 +65,10 @@ impl NetworkSettings {
         let listen = listen.map_err(|problem| wrong("[station] listen", problem))?;
         let kb =
             super::within("[station] picture_kb_per_s", station.picture_kb_per_s, PICTURE_KB_PER_S, " kB/s")?;
+        let announce = station.announce.unwrap_or(false);
+        if let Some(problem) = cannot_announce(listen).filter(|_| announce) {
+            return Err(wrong("[station] announce", problem));
+        }
         let mut all = Vec::new();
         for (index, peer) in peers.iter().enumerate() {
             let key = format!("[[peer]] {}", index + 1);
@@ -82,7 +91,7 @@ impl NetworkSettings {
             let key = if matches!(error, LinkError::NoWay(_)) { "[[peer]] address" } else { "[[peer]] name" };
             wrong(key, error.to_string())
         })?;
-        Ok(Some(Self { name, keys: dir.join(&station.keys), link }))
+        Ok(Some(Self { name, keys: dir.join(&station.keys), announce, link }))
     }
 
     /// Whether a peer is called so.
@@ -107,6 +116,13 @@ impl NetworkSettings {
         })
     }
 
+    /// What announces this station and looks for peers, where either is wanted.
+    fn discovery(&self) -> Result<Option<Discovery>, DiscoveryError> {
+        let sought = self.link.sought();
+        let wanted = self.announce || !sought.is_empty();
+        wanted.then(|| Discovery::start(sought, Scope::Network)).transpose()
+    }
+
     /// The commands that make what `[station] keys` is to hold.
     fn makes_keys(&self) -> String {
         let (keys, name) = (self.keys.display(), &self.name);
@@ -123,8 +139,17 @@ impl NetworkSettings {
     /// whatever starts it may try again. [`Exit::BadArguments`] where its certificate cannot be used,
     /// [`Exit::Failed`] where the computer has no thread left.
     pub fn start(&self, identity: &Identity, clock: Clock) -> Result<Link, Failure> {
-        Link::start(&self.link, identity, clock).map_err(|error| {
+        let started = self.discovery().map_err(LinkError::from).and_then(|discovery| {
+            let link = Link::start_with(&self.link, identity, clock, discovery)?;
+            if self.announce {
+                link.announce()?;
+            }
+            Ok(link)
+        });
+        started.map_err(|error| {
             let (exit, key) = match &error {
+                LinkError::Discovery(_) if self.announce => (Exit::DeviceLost, "[station] announce"),
+                LinkError::Discovery(_) => (Exit::DeviceLost, "[[peer]] address"),
                 LinkError::Listen(..) => (Exit::DeviceLost, "[station] listen"),
                 LinkError::Tls(..) => (Exit::BadArguments, "[station] keys"),
                 LinkError::SameName(_) => (Exit::BadArguments, "[[peer]] name"),
@@ -147,7 +172,7 @@ fn address(text: &str) -> Result<SocketAddr, String> {
 fn same_address(peers: &[PeerConfig], listen: Option<SocketAddr>) -> Option<(String, String)> {
     let mut known: Vec<(&str, &str)> = Vec::new();
     for (index, peer) in peers.iter().enumerate() {
-        let Some(address) = peer.address.as_deref() else { continue };
+        let Some(address) = peer.address.as_deref().filter(|address| *address != MDNS) else { continue };
         let key = format!("[[peer]] {} address", index + 1);
         if listen.is_some_and(|own| address.parse() == Ok(own)) {
             let problem =
@@ -163,8 +188,22 @@ fn same_address(peers: &[PeerConfig], listen: Option<SocketAddr>) -> Option<(Str
     None
 }
 
+/// Why a station that listens there is not to be announced.
+fn cannot_announce(listen: Option<SocketAddr>) -> Option<String> {
+    match listen {
+        None => Some("a station that only dials has nothing to announce: give [station] listen".to_owned()),
+        Some(address) if address.ip().is_loopback() => {
+            Some(format!("{address} is for this computer alone: listen on 0.0.0.0 or [::], or leave it out"))
+        }
+        Some(_) => None,
+    }
+}
+
 /// Whether it can be dialled: a name or an address, and a port.
 fn dialled(text: &str) -> Result<(), String> {
+    if text == MDNS {
+        return Ok(());
+    }
     if text.parse::<SocketAddr>().is_ok_and(|address| address.ip().is_unspecified()) {
         return Err(format!(
             "'{text}' is an address to listen on: give that of the other station's computer"
@@ -173,6 +212,8 @@ fn dialled(text: &str) -> Result<(), String> {
     let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty());
     match port.and_then(|(_, port)| port.parse::<u16>().ok()) {
         Some(1..) => Ok(()),
-        _ => Err(format!("'{text}' cannot be dialled: give HOST:PORT, as arm.local:7420 or 10.0.0.3:7420")),
+        _ => Err(format!(
+            "'{text}' cannot be dialled: give HOST:PORT, as arm.local:7420 or 10.0.0.3:7420, or \"{MDNS}\""
+        )),
     }
 }

@@ -175,6 +175,24 @@ fn a_source_that_cannot_be_meant_is_refused_with_its_key() {
 }
 
 #[test]
+fn stations_can_be_announced_and_looked_up() {
+    let operator = documented("operator");
+    let sought = operator.replace("10.0.0.11:7420", "mdns").replace("10.0.0.12:7420", "mdns");
+    let network = load(&sought).unwrap().network.unwrap();
+    let names: Vec<_> = network.link.sought().iter().map(ToString::to_string).collect();
+    assert_eq!((names, network.announce), (vec!["left".to_owned(), "right".to_owned()], false));
+    refused(&operator.replace("10.0.0.12:7420", "dns"), "or \"mdns\"");
+    let announced = |text: &str| text.replace("keys = \"keys\"", "keys = \"keys\"\nannounce = true");
+    refused(&announced(&operator), "[station] announce: a station that only dials has nothing to announce");
+    let slave = announced(&documented("slave"));
+    assert!(load(&slave).unwrap().network.unwrap().announce);
+    refused(
+        &slave.replace("0.0.0.0", "127.0.0.1"),
+        "[station] announce: 127.0.0.1:7420 is for this computer",
+    );
+}
+
+#[test]
 fn tables_that_contradict_each_other_are_refused() {
     let lonely = "[camera]\nsource = \"sim:demo\"\n";
     refused(lonely, "[camera]: there is no [station], and a camera station needs it");
