@@ -78,8 +78,8 @@ const FETCH_PIXELS: f32 = 4.0;
 const WHOLE_FRAMES: u32 = 2;
 
 /// ...and from then on a share of them each frame, in turn, beside eq. 1 as it was, which is tried in each:
-/// four balls out of sight for long shall not hold up the pictures in which they come back. Measured at
-/// 640x480 with balls of 16 px: all cost 20 ms a frame, a share 6 ms.
+/// four balls out of sight for long shall not hold up the pictures in which they come back. At 640x480 with
+/// balls of 16 px all look at 5.1 million pixels a frame, in 20 ms, and a share at 1.1 million.
 const SHARES: usize = 5;
 
 /// Whether a ball that was missed for so many frames is searched in the whole picture with the threshold
