@@ -1,7 +1,8 @@
 //! Stations that announce themselves on the local network by multicast DNS (RFC 6762, 6763), and those that
 //! look for them: the service `_tetrad._udp`, with the station's name as the text `name`.
 //!
-//! Nothing that is heard here is believed beyond where to dial: see [`Announced`].
+//! Nothing that is heard here is believed beyond where to dial: what is kept is in
+//! `announced`.
 
 use super::announced::Announced;
 use super::name::StationName;

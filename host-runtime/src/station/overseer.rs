@@ -22,7 +22,8 @@ const LOOK_US: u64 = 10_000;
 /// the operator has then been told. Microseconds.
 const LOST_US: u64 = 2_000_000;
 
-/// See the [module's text](self).
+/// What goes on beside a slave's cycles: its record, the cameras of its scene, what there is to tell, and
+/// the end where its arm is lost.
 pub struct Overseer {
     scene: SceneCameras,
     record: Option<ArmCsv>,
