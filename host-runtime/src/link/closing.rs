@@ -70,7 +70,8 @@ pub(super) fn in_words(error: &ConnectionError) -> String {
             format!("the peer says: {}", known.map_or("something that is not known here", Closing::text))
         }
         ConnectionError::TimedOut => "no answer".to_owned(),
-        ConnectionError::LocallyClosed => "ended here".to_owned(),
+        // at the end of the link itself nobody is there to be told
+        ConnectionError::LocallyClosed => Closing::Replaced.text().to_owned(),
         ConnectionError::ConnectionClosed(close) => format!("the peer refuses: {}", alert(close.error_code)),
         ConnectionError::TransportError(error) => format!("{} ({error})", alert(error.code)),
         other => other.to_string(),

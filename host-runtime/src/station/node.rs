@@ -10,13 +10,12 @@
 
 mod receiver;
 
-pub use receiver::NodeCounts;
+pub use receiver::{Line, NodeCounts, Receiver};
 
 use super::back_off::BackOff;
 use super::newest::Newest;
 use crate::link::Received;
 use crate::robot::clock::Clock;
-use receiver::{Line, Receiver};
 use serialport::{ClearBuffer, DataBits, FlowControl, Parity, SerialPort, StopBits};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};

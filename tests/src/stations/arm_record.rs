@@ -2,24 +2,40 @@
 
 use std::path::Path;
 
+/// The slave's cycles, in order.
+#[derive(Clone, Debug)]
+pub(super) struct ArmRecord(Vec<Row>);
+
 /// One cycle of the slave.
 #[derive(Clone, Debug)]
-pub(super) struct Row {
+struct Row {
     /// Seconds.
-    pub(super) t_s: f64,
+    t_s: f64,
     /// The law's state.
-    pub(super) state: String,
+    state: String,
     /// How old the newest command was, ms.
-    pub(super) age_ms: Option<f64>,
+    age_ms: Option<f64>,
     /// Where the tool was sent, metres.
-    pub(super) tool_m: Option<[f64; 3]>,
+    tool_m: Option<[f64; 3]>,
 }
+
+/// How often the arm stopped following.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stops {
+    pub(super) count: usize,
+    /// The longest from the coming of the last command that was fresh to the first cycle that did not
+    /// follow it, ms.
+    pub(super) latest_ms: f64,
+}
+
+/// The cycle of the slave that is run here, seconds.
+const CYCLE_S: f64 = 0.001;
 
 /// Reads it. A line that was being written when the slave was killed is left out.
 ///
 /// # Errors
 /// What the file lacks.
-pub(super) fn read(out: &Path) -> Result<Vec<Row>, String> {
+pub(super) fn read(out: &Path) -> Result<ArmRecord, String> {
     let file = out.join("arm.csv");
     let text = std::fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
     let mut lines = text.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n'));
@@ -41,29 +57,82 @@ pub(super) fn read(out: &Path) -> Result<Vec<Row>, String> {
             tool_m: x.zip(y).zip(z).map(|((x, y), z)| [x, y, z]),
         })
     };
-    Ok(lines.filter_map(row).collect())
+    Ok(ArmRecord(lines.filter_map(row).collect()))
+}
+
+impl ArmRecord {
+    /// How far the tool was sent in all.
+    pub(super) fn way_m(&self) -> f64 {
+        let places: Vec<_> = self.0.iter().filter_map(|row| row.tool_m).collect();
+        places.windows(2).map(|pair| apart(pair[0], pair[1])).sum()
+    }
+
+    /// The fastest the tool was sent from one cycle to the next.
+    pub(super) fn fastest_m_s(&self) -> f64 {
+        let speed = |pair: &[Row]| {
+            let dt = pair[1].t_s - pair[0].t_s;
+            // cycles that follow a late one come close to it, and have a whole step all the same
+            Some(apart(pair[0].tool_m?, pair[1].tool_m?) / dt.max(CYCLE_S))
+        };
+        self.0.windows(2).filter_map(speed).fold(0.0, f64::max)
+    }
+
+    /// Whether the hand was ever followed.
+    pub(super) fn followed(&self) -> bool {
+        self.0.iter().any(|row| row.state == "engaged" && row.age_ms.is_some())
+    }
+
+    /// How often a hold began.
+    pub(super) fn holds(&self) -> usize {
+        self.left().filter(|row| row.state == "hold").count()
+    }
+
+    pub(super) fn stops(&self) -> Stops {
+        self.left().filter_map(|row| row.age_ms).fold(Stops::default(), |stops, age_ms| Stops {
+            count: stops.count + 1,
+            latest_ms: stops.latest_ms.max(age_ms),
+        })
+    }
+
+    /// Each first cycle in which the hand is not followed any more.
+    fn left(&self) -> impl Iterator<Item = &Row> {
+        let left = |pair: &&[Row]| pair[0].state == "engaged" && pair[1].state != "engaged";
+        self.0.windows(2).filter(left).map(|pair| &pair[1])
+    }
 }
 
 /// The way from one place to another, metres.
-pub(super) fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
+fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// How far the tool was sent in all, metres.
-pub(super) fn way(rows: &[Row]) -> f64 {
-    let places: Vec<_> = rows.iter().filter_map(|row| row.tool_m).collect();
-    places.windows(2).map(|pair| apart(pair[0], pair[1])).sum()
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// The fastest the tool was sent from one cycle to the next, m/s.
-pub(super) fn fastest(rows: &[Row]) -> f64 {
-    let speed = |pair: &[Row]| {
-        let dt = pair[1].t_s - pair[0].t_s;
-        // cycles that follow a late one come close to it, and have a whole step all the same
-        Some(apart(pair[0].tool_m?, pair[1].tool_m?) / dt.max(CYCLE_S))
-    };
-    rows.windows(2).filter_map(speed).fold(0.0, f64::max)
+    #[test]
+    fn stops_holds_and_the_way_are_told() {
+        let row = |(cycle, state, age_ms, x_m): (u32, &str, f64, f64)| Row {
+            t_s: f64::from(cycle) * CYCLE_S,
+            state: state.to_owned(),
+            age_ms: Some(age_ms),
+            tool_m: Some([x_m, 0.0, 0.0]),
+        };
+        let record = ArmRecord(
+            [
+                (0, "armed", 1.0, 0.0),
+                (1, "engaged", 2.0, 0.0),
+                (2, "engaged", 99.0, 0.0004),
+                (3, "hold", 99.5, 0.0005),
+                (4, "engaged", 1.0, 0.0006),
+                (5, "armed", 7.0, 0.0006),
+            ]
+            .map(row)
+            .into(),
+        );
+        let stops = record.stops();
+        assert_eq!((stops.count, record.holds(), record.followed()), (2, 1, true));
+        assert!((stops.latest_ms - 99.5).abs() < 1e-9);
+        assert!((record.way_m() - 0.0006).abs() < 1e-9 && (record.fastest_m_s() - 0.4).abs() < 1e-6);
+    }
 }
-
-/// The cycle of the slave that is run here, seconds.
-const CYCLE_S: f64 = 0.001;

@@ -5,13 +5,19 @@
 //! |---|---|
 //! | keys, files and ports of the four | `cell` |
 //! | one process: started, told to end, killed; its memory | `station` |
-//! | a run without faults; strangers, garbage, deaths | `runs` |
-//! | what the arm did, from arm.csv | `arm_record` |
+//! | the four, started and ended together | `crew` |
+//! | what is done to them, and has to be true: a run a file | `runs` |
+//! | datagrams that nobody asked for | `garbage` |
+//! | what the arm did, how long stages took, whether stations grow | `arm_record`, `delays`, `memory` |
 //!
 //! Like `verify` it knows `tetrad` as a program alone, and needs nothing but the standard library.
 
 mod arm_record;
 mod cell;
+mod crew;
+mod delays;
+mod garbage;
+mod memory;
 mod runs;
 mod station;
 

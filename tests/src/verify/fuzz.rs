@@ -25,6 +25,10 @@ pub(super) fn link(context: &Context) -> Outcome {
     fuzz(context, "link")
 }
 
+pub(super) fn node(context: &Context) -> Outcome {
+    fuzz(context, "node")
+}
+
 pub(super) fn colours(context: &Context) -> Outcome {
     fuzz(context, "colours")
 }

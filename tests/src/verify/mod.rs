@@ -144,6 +144,12 @@ pub const CHECKS: &[Check] = &[
         run: fuzz::link,
     },
     Check {
+        name: "fuzz-node",
+        protects: "no bytes from a smart camera's serial port make the operator panic, or hide what comes after",
+        quick: false,
+        run: fuzz::node,
+    },
+    Check {
         name: "fuzz-colours",
         protects: "no colours.toml makes its parser panic",
         quick: false,

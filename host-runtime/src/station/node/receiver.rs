@@ -27,14 +27,15 @@ pub struct NodeCounts {
 
 /// How long a line needs for a byte.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Line {
+pub struct Line {
     byte_us: f64,
 }
 
 impl Line {
     /// A start bit, eight bits and a stop bit on a wire; nothing to speak of where the port is a USB
     /// device itself (`ttyACM`), whose rate means nothing, or a pseudo terminal.
-    pub(super) fn of(device: &Path, baud: u32) -> Self {
+    #[must_use]
+    pub fn of(device: &Path, baud: u32) -> Self {
         let real = device.canonicalize().unwrap_or_else(|_| device.to_owned());
         let name = real.file_name().unwrap_or_default().to_string_lossy();
         let wire = !name.starts_with("ttyACM") && !real.starts_with("/dev/pts");
@@ -42,9 +43,9 @@ impl Line {
     }
 }
 
-/// See the [module's text](self).
+/// What a node's bytes come to. It takes any bytes, cut anywhere, and its memory does not grow with them.
 #[derive(Debug, Default)]
-pub(super) struct Receiver {
+pub struct Receiver {
     decoder: Decoder,
     /// Bytes since the frame before ended.
     bytes: usize,
@@ -64,19 +65,14 @@ pub(super) struct Receiver {
 
 impl Receiver {
     /// The port was opened, perhaps within a frame.
-    pub(super) fn open(&mut self) {
+    pub fn open(&mut self) {
         self.decoder = Decoder::default();
         self.bytes = 0;
         self.begun = false;
     }
 
     /// Takes what was read at a time; the newest observations in it, if there are any.
-    pub(super) fn take(
-        &mut self,
-        read: &[u8],
-        line: Line,
-        now_us: u64,
-    ) -> Option<Received<ObservationPacket>> {
+    pub fn take(&mut self, read: &[u8], line: Line, now_us: u64) -> Option<Received<ObservationPacket>> {
         let mut newest = None;
         // a frame ends with a zero byte, and that is in no other place
         for piece in read.split_inclusive(|byte| *byte == 0) {
@@ -104,12 +100,14 @@ impl Receiver {
         newest
     }
 
-    pub(super) const fn counts(&self) -> NodeCounts {
+    /// What became of it so far.
+    #[must_use]
+    pub const fn counts(&self) -> NodeCounts {
         self.counts
     }
 
     /// What there is to tell, once.
-    pub(super) fn take_notice(&mut self) -> Option<String> {
+    pub fn take_notice(&mut self) -> Option<String> {
         self.notice.take()
     }
 

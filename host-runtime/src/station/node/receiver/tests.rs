@@ -122,6 +122,24 @@ fn the_time_on_the_wire_is_known_where_there_is_a_wire() {
     assert_eq!(came.captured_us, Some(90_000 - wire_us - 3_000));
 }
 
+/// An hour of packets with as much noise between them, a megabyte of it at once as well.
+#[test]
+fn memory_does_not_grow_with_what_comes() {
+    let mut receiver = Receiver::default();
+    receiver.open();
+    let noise: Vec<u8> = (0..1_000_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    take(&mut receiver, &noise, 0);
+    for number in 0..40_000_u32 {
+        let at_us = u64::from(number) * 90_000;
+        let from = number as usize * 13;
+        take(&mut receiver, &noise[from..from + 100], at_us);
+        take(&mut receiver, &[&[0], &frame(&packet(7, number, at_us))[..]].concat(), at_us);
+    }
+    assert_eq!(receiver.counts().taken, 40_000);
+    assert!(receiver.counts().damaged > 10_000, "{:?}", receiver.counts());
+    assert!(receiver.lateness.stretches.capacity() <= 4 * STRETCHES);
+}
+
 proptest! {
     /// However the line is cut into reads, and whatever lies between the packets, the same comes of it.
     #[test]
