@@ -81,6 +81,11 @@ impl<T: Real> Detour<T> {
         true
     }
 
+    /// How often each of [`Self::turned`] has been tried before.
+    pub(super) const fn round(&self) -> u8 {
+        self.tried.saturating_sub(1) / 3
+    }
+
     /// Which of the ways round is to be looked for: one that failed is not taken again.
     pub(super) fn turned(&self) -> T {
         T::of(match self.tried % 3 {
@@ -99,6 +104,8 @@ pub(super) struct Around<'a, T> {
     pub(super) posture: Configuration,
     /// How much of their way the other joints shall have gone there, a share.
     pub(super) turned: T,
+    /// How often all shares have been tried.
+    pub(super) round: u8,
 }
 
 impl<T: Real> Around<'_, T> {
@@ -110,6 +117,10 @@ impl<T: Real> Around<'_, T> {
         let mut least = T::of(1e9);
         for i in 1..PLACES {
             for k in 1..PLACES {
+                // what failed in one round is left out in one of the next
+                if !self.round.is_multiple_of(4) && (i + k + self.round).is_multiple_of(3) {
+                    continue;
+                }
                 let [q1, _, _, q4, q5, q6] = middle;
                 let via = [q1, place(upper_arm, i), place(forearm, k), q4, q5, q6];
                 let stands = self.arm.configuration(&via);

@@ -6,7 +6,7 @@ use super::detour::{Around, Detour};
 use super::limits::{JointNumber, Limit, Limits};
 use super::pace::Stance;
 use super::way::{Kind, Situation, Way};
-use crate::arm::puma560::Jacobian;
+use crate::arm::puma560::{Jacobian, Joints};
 use crate::arm::teleop::Uncertainty;
 use crate::config::AllowedPassages;
 use crate::geometry::Pose;
@@ -26,6 +26,9 @@ const STALLED_CYCLES: u16 = 100;
 /// How long the arm is kept from a goal before it goes back to the posture in which it was started,
 /// microseconds: time enough to read what is told and to move back oneself.
 const TURN_BACK_US: u64 = 1_000_000;
+
+/// How far from where it was started a joint may be to which the arm goes back by itself, radians.
+const AS_STARTED_RAD: f64 = 1.5;
 
 impl<T: Real> Governor<T> {
     /// One cycle towards a goal within reach; how fast the tool is asked to be.
@@ -95,6 +98,7 @@ impl<T: Real> Governor<T> {
             passages: self.passages(),
             by_joints: self.by_joints,
             via: self.detour.via,
+            winds_back: self.winds_back,
         };
         self.ways.choose(&situation, limits)
     }
@@ -111,6 +115,7 @@ impl<T: Real> Governor<T> {
         self.stalled = if crawls { self.stalled.saturating_add(1) } else { 0 };
         self.barred = way.kind == Kind::AsNearAsItGoes || self.barred && !way.to_the_end;
         self.by_joints = way.kind == Kind::ByJoints && !way.to_the_end || self.stalled >= STALLED_CYCLES;
+        self.winds_back &= self.by_joints;
     }
 
     /// Looks for a way round where the tool is held at a face on its way by the joints.
@@ -125,25 +130,43 @@ impl<T: Real> Governor<T> {
             ranges: &self.ranges,
             posture: self.posture,
             turned: self.detour.turned(),
+            round: self.detour.round(),
         };
-        let target = self.ways.solution(goal, &self.recent, self.posture);
+        let target = self.ways.solution(goal, &self.recent, self.posture, self.winds_back);
         self.detour.via = target.and_then(|target| around.via(&self.set_point(), &target));
     }
 
-    /// Where the arm has passed a singularity and now has been kept from the goal for a while, though
-    /// in the posture in which it was started it could go there: back to that posture, by the joints.
-    /// Without it, who went out through the singularity and back beside it would not come home.
+    /// Where the arm has been kept from the goal for a while, though standing as it was started it could go
+    /// there: back to that, by the joints. Without it, who went out through a singularity and back beside
+    /// it would not come home; nor who turned the tool round by about a turn, against the end of a joint.
+    ///
+    /// A joint is wound back only to about where it was at the start: whoever rests against its end is not
+    /// turned round.
     fn turn_back(&mut self, goal: &Pose<T>) {
         self.barred_cycles = if self.barred { self.barred_cycles.saturating_add(1) } else { 0 };
         let waited_us = u64::from(self.barred_cycles) * u64::from(self.config.cycle_us);
-        if waited_us >= TURN_BACK_US
-            && self.posture != self.first_posture
-            && self.ways.solution(goal, &self.recent, self.posture).is_none()
-            && self.ways.solution(goal, &self.recent, self.first_posture).is_some()
-        {
+        if waited_us < TURN_BACK_US || self.by_joints {
+            return;
+        }
+        let solution = |posture, winds_back| self.ways.solution(goal, &self.recent, posture, winds_back);
+        if solution(self.posture, false).is_some() {
+            return;
+        }
+        let passed = self.posture != self.first_posture;
+        if passed && solution(self.first_posture, false).is_some() {
             self.posture = self.first_posture;
             self.by_joints = true;
+        } else if solution(self.first_posture, true).is_some_and(|joints| self.is_as_started(&joints)) {
+            self.posture = self.first_posture;
+            self.by_joints = true;
+            self.winds_back = true;
         }
+    }
+
+    /// Whether no joint is far from where it was at the start.
+    fn is_as_started(&self, joints: &Joints<T>) -> bool {
+        let most = T::of(AS_STARTED_RAD);
+        joints.iter().zip(&self.first_joints).all(|(angle, first)| (*angle - *first).abs() <= most)
     }
 }
 

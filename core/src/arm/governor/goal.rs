@@ -45,11 +45,10 @@ impl<T: Real> Bounded<T> {
         }
     }
 
-    /// How far a place is out of the box, metres; 0 where it is in.
-    pub(super) fn out(&self, place: &Vector3<T>) -> T {
-        let sides = self.min.iter().zip(self.max.iter());
-        let out = place.iter().zip(sides).map(|(x, (min, max))| (*min - *x).max(*x - *max));
-        out.fold(T::zero(), |most, out| most.max(out))
+    /// How far inside the box a place is, metres; below 0 where it is out.
+    pub(super) fn depth(&self, place: &Vector3<T>) -> T {
+        let depths = (place - self.min).zip_map(&(self.max - place), |a, b| a.min(b));
+        depths.x.min(depths.y).min(depths.z)
     }
 
     /// The goal in the box and within reach, its orientation kept.

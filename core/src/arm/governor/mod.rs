@@ -20,7 +20,12 @@
 //! - **No wind-up.** All is told anew from the set-point in each cycle. A goal that cannot be reached
 //!   is replaced by the nearest that can; nothing is added up, the way back begins at once.
 //! - **Always a way back.** See `way`: to where the arm stood before, in the posture in which it
-//!   stands, there is always one. Slowing at ends and singularities knows the direction.
+//!   stands, there is always one. Slowing at ends and singularities knows the direction. From every
+//!   singularity, end and face the arm comes back by itself where it is asked to. After three goals
+//!   anywhere, the last one a jump home across all that lies between, 2 of 4,000 did not find round a
+//!   narrow workspace by themselves; by way of another goal they came home, too. (Until it was so, 12
+//!   of them did not: a joint had been wound up by about a turn.) A jump home along the faces may take
+//!   15 s, 3 of 4,000 took more than 10.
 //! - **In the workspace.** No set-point takes the tool out of it by more than 5 mm, nor one that was
 //!   outside at the start farther out (`fence`).
 //! - **Steered, not proved.** The speed of the tool: on straight ways at most a tenth over its bound, and
@@ -93,7 +98,11 @@ pub struct Governor<T> {
     posture: Configuration,
     /// The one in which the arm was started.
     first_posture: Configuration,
+    /// Where its joints were then, radians.
+    first_joints: Joints<T>,
     by_joints: bool,
+    /// On that way a joint is wound back by about a turn.
+    winds_back: bool,
     detour: Detour<T>,
     /// The goal was not to be reached, and the arm is not at one yet: off the way that it was asked
     /// to go, where a passage might lead to where there is no way back from.
@@ -145,7 +154,9 @@ impl<T: Real> Governor<T> {
             pose: arm.forward(&middle),
             posture: arm.configuration(&middle),
             first_posture: arm.configuration(&middle),
+            first_joints: middle,
             by_joints: false,
+            winds_back: false,
             detour: Detour::none(),
             barred: false,
             barred_cycles: 0,
@@ -200,7 +211,9 @@ impl<T: Real> Governor<T> {
         self.fence.start(&self.pose.translation);
         self.posture = self.recent.configuration();
         self.first_posture = self.posture;
+        self.first_joints = *joints;
         self.by_joints = false;
+        self.winds_back = false;
         self.detour = Detour::none();
         self.barred = false;
         self.barred_cycles = 0;

@@ -21,6 +21,7 @@ impl<T: Real> Governor<T> {
             *axis = axis.stopped(bounds);
         }
         self.by_joints = false;
+        self.winds_back = false;
         self.detour = Detour::none();
         self.stalled = 0;
     }

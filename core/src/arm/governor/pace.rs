@@ -1,7 +1,6 @@
 //! How fast along the way: one factor for all joints, so that the tool keeps to it.
 
 use super::axis::{Bounds, Span};
-use super::fence::OVER_FACE_M;
 use super::goal::Bounded;
 use super::limits::{Limit, Limits};
 use super::way::{Kind, Way};
@@ -32,6 +31,17 @@ const WAITING_SHARE: f64 = 0.05;
 
 /// What slows by less than this is not told.
 const TOLD_SHARE: f64 = 0.98;
+
+/// How far inside of the faces the tool keeps on its way by the joints, metres. Joints that bring it along
+/// a face work against each other, and none of them can be stopped without the tool swinging out: at the
+/// face itself hardly any speed is left that the fence lets pass.
+const KEPT_FROM_FACES_M: f64 = 0.01;
+
+/// With less to go the joints' way comes nearer to the faces, down to none at its end, radians.
+const UP_TO_FACES_RAD: f64 = 0.2;
+
+/// On how much the tool slows down that is nearer to a face, or farther out, than it should be, metres.
+const SLOWED_AT_FACES_M: f64 = 0.01;
 
 /// How often the faces are gone through in one cycle.
 const FACE_ROUNDS: usize = 3;
@@ -136,11 +146,11 @@ impl<T: Real> Pace<T> {
         let fast = (tool_speed(now.jacobian, now.bound_for) / self.tool_speed).max(T::one());
         let mut speeds = left.map(|way| way * factor.least / (fast * fast * fast));
         self.keep_from_ends(&mut speeds, now);
-        let at_face = self.keep_in_box(&mut speeds, way.kind, now);
+        let (at_face, along_face) = self.keep_in_box(&mut speeds, &left, way.kind, now);
         if at_face {
             limits.add(Limit::WorkspaceEdge);
         }
-        Paced { speeds, share: (factor.least / ideal).min(T::one()), at_face }
+        Paced { speeds, share: (factor.least / ideal).min(T::one()) * along_face, at_face }
     }
 
     fn keep_outside_joints_from_leaving(&self, left: &mut Joints<T>, now: &Stance<'_, T>) {
@@ -264,24 +274,33 @@ impl<T: Real> Pace<T> {
     }
 
     /// Takes away what would carry the tool out of the workspace, by as little of the joints as does it.
-    /// Whether it was worth telling.
-    fn keep_in_box(&self, speeds: &mut Joints<T>, kind: Kind, now: &Stance<'_, T>) -> bool {
+    /// Whether it was worth telling, and the share of speed that is left along the faces.
+    fn keep_in_box(
+        &self,
+        speeds: &mut Joints<T>,
+        left: &Joints<T>,
+        kind: Kind,
+        now: &Stance<'_, T>,
+    ) -> (bool, T) {
         // the straight way to a goal in the box does not lead out of it
         let response = if kind == Kind::Straight { self.response } else { self.response * T::of(0.5) };
+        let inside = kept_from_faces(left, kind, now.edges);
         // what is out is asked back, gently
         let back = -self.tool_speed * self.creep;
         let rows = now.jacobian.fixed_rows::<3>(0).into_owned();
         let mut wished = Vector6::from(*speeds);
-        let out = now.edges.out(now.place) / T::of(OVER_FACE_M);
+        let out = (inside - now.edges.depth(now.place)) / T::of(SLOWED_AT_FACES_M);
         let sides = now.edges.min.zip_zip_map(&now.edges.max, now.place, |min, max, place| {
-            (((place - min) * response).max(back), ((max - place) * response).max(back))
+            (((place - min - inside) * response).max(back), ((max - place - inside) * response).max(back))
         });
         let bounded = |speeds: &Vector3<T>| {
             speeds.zip_map(&sides, |speed, (down, up)| speed - speed.min(up).max(-down))
         };
+        let mut share = T::one();
         if out > T::zero() && bounded(&(rows * wished)) != Vector3::zeros() {
-            // along the face the slower the nearer to the fence
-            wished *= (T::one() - out).max(self.creep);
+            // along the face the slower the nearer to it, or the farther beyond
+            share = (T::one() - out).max(self.creep);
+            wished *= share;
         }
         let asked = rows * wished;
         let over = bounded(&asked);
@@ -311,8 +330,20 @@ impl<T: Real> Pace<T> {
         if most > T::one() {
             *speeds = speeds.map(|speed| speed / most);
         }
-        told
+        (told, share)
     }
+}
+
+/// How far inside of the faces the tool is to keep, metres.
+fn kept_from_faces<T: Real>(left: &Joints<T>, kind: Kind, edges: &Bounded<T>) -> T {
+    // the straight way to a goal in the box does not lead out of it
+    if kind == Kind::Straight {
+        return T::zero();
+    }
+    let most = left.iter().fold(T::zero(), |most, left| most.max(left.abs()));
+    let size = edges.max - edges.min;
+    let kept = T::of(KEPT_FROM_FACES_M).min(size.x.min(size.y).min(size.z) * T::of(0.25));
+    kept * (most / T::of(UP_TO_FACES_RAD)).min(T::one())
 }
 
 /// `most / size`; where there is nothing to be divided, as much as anything.

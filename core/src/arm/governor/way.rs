@@ -15,7 +15,7 @@ use super::limits::{Limit, Limits};
 use crate::arm::puma560::{
     ChooseRefusal, Configuration, Fixed, Jacobian, Joints, Passages, Policy, Puma560, Recent, Unreachable,
 };
-use crate::config::{AllowedPassages, JOINTS};
+use crate::config::{AllowedPassages, JOINTS, JointConfig};
 use crate::geometry::Pose;
 use crate::real::Real;
 
@@ -23,8 +23,8 @@ use crate::real::Real;
 /// second.
 const TURN_RAD_S: f64 = 2.0;
 
-/// How far a joint may have to go by the joints' way, radians: less than the whole turn of a joint that
-/// would be wound back, more than joint 4 can go.
+/// How far a joint with a range of more than a turn may have to go by the joints' way, radians: less than
+/// the whole turn by which it would be wound back. The others have no other turn.
 const FARTHEST_RAD: f64 = 5.2;
 
 /// The joints' way is at its end when no joint has farther to go, radians.
@@ -78,6 +78,8 @@ pub(super) struct Situation<'a, T> {
     pub(super) by_joints: bool,
     /// By way of these, if so.
     pub(super) via: Option<Joints<T>>,
+    /// Whether a joint may be wound back by about a turn.
+    pub(super) winds_back: bool,
 }
 
 impl<T: Real> Ways<T> {
@@ -103,7 +105,7 @@ impl<T: Real> Ways<T> {
                 Err(reason) => refusal = Some(reason),
             }
         }
-        if let Some(target) = self.solution(now.goal, now.recent, now.posture) {
+        if let Some(target) = self.solution(now.goal, now.recent, now.posture, now.winds_back) {
             let left = difference(&now.via.unwrap_or(target), joints);
             let mut way = Way { left, to_the_end: false, kind: Kind::ByJoints };
             way.to_the_end = now.via.is_none() && way.is_nearly_gone();
@@ -119,18 +121,25 @@ impl<T: Real> Ways<T> {
         Way { left, to_the_end: false, kind: Kind::AsNearAsItGoes }
     }
 
-    /// The joints that bring the tool to the goal in a posture, all in range and none of
-    /// them wound back.
+    /// The joints that bring the tool to the goal in a posture, all in range and, unless that is asked
+    /// for, none of them wound back.
     pub(super) fn solution(
         &self,
         goal: &Pose<T>,
         recent: &Recent<T>,
         posture: Configuration,
+        winds_back: bool,
     ) -> Option<Joints<T>> {
         let solutions = self.arm.inverse(goal, recent.last()).ok()?;
         let solution = solutions.get(posture).filter(|solution| solution.outside.is_empty())?;
         let way = difference(&solution.joints, recent.last());
-        way.iter().all(|way| way.abs() <= T::of(FARTHEST_RAD)).then_some(solution.joints)
+        let joints = way.iter().zip(&self.arm.config().joints);
+        let is_wound = |way: &T, joint: &JointConfig| {
+            let turns_round = joint.max_rad - joint.min_rad > core::f64::consts::TAU;
+            turns_round && way.abs() > T::of(FARTHEST_RAD)
+        };
+        let wound = joints.into_iter().any(|(way, joint)| is_wound(way, joint));
+        (winds_back || !wound).then_some(solution.joints)
     }
 }
 

@@ -180,3 +180,50 @@ fn from_everything_it_is_driven_into_the_arm_comes_back() {
 fn also_in_single_precision() {
     drive_into_all::<f32>(sequences(500), 1e-4);
 }
+
+/// An arm whose tool was turned from q6 = `first` on to the upper end of joint 6, in steps that a straight
+/// way follows.
+fn wound_up(first: f64) -> (Checked<f64>, Joints<f64>) {
+    let mut joints = [0.3, 1.9, -2.6, 0.4, 0.9, first];
+    let mut arm = Checked::<f64>::new(&GovernorConfig::default(), &joints);
+    let end = arm.arm.config().joints[5].max_rad;
+    while joints[5] < end {
+        joints[5] = (joints[5] + 0.5).min(end);
+        let goal = arm.arm.forward(&joints);
+        assert!(arm.settle(&goal, 1e-9, 1_000).is_some());
+    }
+    assert!((arm.governor.set_point()[5] - end).abs() < 1e-6);
+    (arm, joints)
+}
+
+#[test]
+fn a_tool_turned_by_about_a_turn_comes_home_and_says_so() {
+    let (mut arm, mut joints) = wound_up(-1.3);
+    joints[5] = -1.3;
+    let home = arm.arm.forward(&joints);
+    let mut other_way = 0;
+    let cycles = (0..2_000).find(|_| {
+        let governed = arm.follow(&home);
+        other_way += u64::from(governed.limits.contains(Limit::AnotherWay));
+        governed.at_rest && arm.off(&home).1 < 1e-9
+    });
+    // it waits for a second before
+    assert!(cycles.is_some_and(|cycles| cycles > 100) && other_way > 50, "{cycles:?}, {other_way}");
+    assert!((arm.governor.set_point()[5] + 1.3).abs() < 1e-6);
+}
+
+#[test]
+fn who_rests_against_the_end_of_a_joint_is_not_turned_round() {
+    for past in [0.01, 0.1, 0.5] {
+        let (mut arm, mut joints) = wound_up(0.5);
+        let end = joints[5];
+        joints[5] += past;
+        let goal = arm.arm.forward(&joints);
+        for _ in 0..1_000 {
+            let governed = arm.follow(&goal);
+            assert!((governed.set_point[5] - end).abs() < 0.2, "{past} past: {:?}", governed.set_point);
+        }
+        joints[5] = end - 0.3;
+        assert!(arm.settle(&arm.arm.forward(&joints), 1e-9, 1_000).is_some());
+    }
+}

@@ -38,7 +38,7 @@ fn wherever_it_is_driven_the_tool_stays_in_and_comes_back() {
     let config = GovernorConfig { workspace: SMALL, ..GovernorConfig::default() };
     let (mut held, mut other_ways, mut detours, mut nearest) = (0, 0, 0, 0);
     let (mut out, mut fastest, mut slowest) = (0.0f64, 0.0f64, 0);
-    let mut lost = std::vec::Vec::new();
+    let (mut lost, mut late) = (std::vec::Vec::new(), 0);
     for case in 0..sequences(4_000) {
         let start = anywhere(&mut random, &config, 0.05);
         let mut arm = Checked::<f64>::new(&config, &start);
@@ -65,21 +65,33 @@ fn wherever_it_is_driven_the_tool_stays_in_and_comes_back() {
             governed.at_rest && arm.off(&home).0.max(arm.off(&home).1) < 1e-9
         });
         match cycles {
-            Some(cycles) => slowest = slowest.max(cycles),
-            None => lost.push((case, round, arm.off(&home), arm.follow(&home).limits)),
+            Some(cycles) => {
+                slowest = slowest.max(cycles);
+                late += u64::from(cycles > 1_000);
+            }
+            None => {
+                lost.push((case, round, arm.off(&home), arm.follow(&home).limits));
+                // by way of another goal it comes home all the same
+                let by_way_of = (1..=4).find(|_| {
+                    let via = arm.arm.forward(&anywhere(&mut random, &config, 0.2));
+                    arm.settle(&via, 1e-9, 1_500);
+                    arm.settle(&home, 1e-9, 3_000).is_some()
+                });
+                assert!(by_way_of.is_some(), "case {case} does not come home at all");
+            }
         }
         out = out.max(arm.out_m);
         fastest = fastest.max(arm.fastest_m_s);
     }
     std::println!(
-        "at most {:.2} mm out, {fastest:.3} m/s, {slowest} cycles back; cycles held at a face {held}, by \
-         another way {other_ways}, round {detours}, out of reach {nearest}",
-        out * 1e3
+        "at most {:.2} mm out, {fastest:.3} m/s, {slowest} cycles back, {late} more than 1,000, {} lost; cycles \
+         held at a face {held}, by another way {other_ways}, round {detours}, out of reach {nearest}",
+        out * 1e3,
+        lost.len(),
     );
-    // three random goals may leave a joint wound up, which is told; a face hardly ever keeps the arm
-    let kept = lost.iter().filter(|(.., limits)| limits.contains(Limit::WorkspaceEdge)).count() as u64;
-    assert!(kept <= sequences(4_000) / 1_000, "{lost:#?}");
-    assert!((lost.len() as u64) * 100 <= sequences(4_000), "{} lost: {lost:#?}", lost.len());
+    // a jump home across all that lies between fails once in two thousand times, and may take a while
+    assert!(lost.len() as u64 <= sequences(4_000) / 1_000, "{lost:#?}");
+    assert!(late * 200 <= sequences(4_000), "{late} took more than 10 s");
     assert!(held > 100 && other_ways > 100 && nearest > 100 && out > 0.002);
 }
 
