@@ -135,7 +135,7 @@ fn four_covered_balls_come_back_under_their_own_names() {
 /// three times for longer than anybody predicts it. `paper` mode, which knows no rims, does take some for
 /// balls.
 #[test]
-fn while_the_hand_is_covered_nothing_else_in_the_room_is_a_ball() {
+fn while_the_hand_is_covered_nothing_on_a_cluttered_desk_is_taken_for_a_ball() {
     let mut scene = common::scene("demo");
     scene.frames = 270;
     scene.occluders = common::scene("cover-all").occluders;

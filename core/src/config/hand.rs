@@ -81,7 +81,9 @@ pub struct PoseConfig {
     pub key_arms: f32,
     /// How many such frames are remembered.
     pub key_frames: f32,
-    /// How many more frames are learnt from at one place.
+    /// How many more frames are learnt from at one place. Few: a centre's error there is nearly the same
+    /// in each (what lies behind a ball pulls its rim), and what is learnt would claim to be known better
+    /// than it is.
     pub key_repeats: u32,
     /// For how long after the last measured frame the hand is carried on, microseconds: a sixth of a
     /// second, about what a hand takes to turn round.
@@ -110,7 +112,7 @@ impl Default for PoseConfig {
             prior_rad: 0.26,
             key_arms: 0.25,
             key_frames: 64.0,
-            key_repeats: 8,
+            key_repeats: 2,
             predict_us: 170_000,
             hold_us: 500_000,
             latch_wait_frames: 15,

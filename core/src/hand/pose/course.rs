@@ -28,16 +28,19 @@ const LAG_FRAMES: f32 = 1.0 / NEWEST - 0.5;
 /// Frames over which accelerations and speeds are averaged.
 const MEMORY: f32 = 60.0;
 
-/// A frame that comes so many times later or sooner than the last one did is not regular.
+/// A frame that comes so many times later or sooner than the last one did is not regular: half way to a
+/// frame that was lost.
 const IRREGULAR: f32 = 1.5;
 
-/// A hand's acceleration before it was seen to move, m/s^2 and rad/s^2.
+/// A hand's acceleration before it was seen to move, m/s^2 and rad/s^2: that of a slow, careful one (the
+/// paper's fastest path, 0.7 m/s round 0.1 m, has 5 m/s^2).
 const FIRST_ACCELERATION: Vector2<f32> = Vector2::new(0.5, 1.0);
 
 /// Its speed, m/s and rad/s.
 const FIRST_SPEED: Vector2<f32> = Vector2::new(0.1, 0.3);
 
-/// The weight of both, of one frame: what was seen tells soon what this hand does.
+/// The weight of both, of one frame: what was seen tells soon what this hand does. A pose comes from all
+/// balls, so that its errors tell more than those of one centre, whose first values weigh three.
 const FIRST_WEIGHT: f32 = 1.0;
 
 /// A mean square, for translation and turn, that forgets, of values that are known differently well.

@@ -34,7 +34,8 @@ const MOST_APART2: f32 = 12.0;
 /// A rim whose centre is known no better than this, in diameters, is not a measurement.
 const VAGUE: f32 = 0.15;
 
-/// From this share of the rim on it says itself where the ball is.
+/// From this share of the rim on it says itself where the ball is: more than half of a circle, which a
+/// corner or the end of a bar has not.
 const CLEAR_RIM: f32 = 0.6;
 
 /// Share of the ball's area under which the middle of a part says nothing of the ball's.
@@ -76,20 +77,22 @@ impl CameraTracker {
 }
 
 impl CameraTracker {
-    /// A thing of a ball's colour that the search of the whole picture came upon, while hardly anything
-    /// else of a rigid frame is seen, is a ball only if it shows a ball's rim: with the hand covered,
+    /// A thing of a ball's colour that the search of the whole picture came upon is a ball only if it
+    /// shows a ball's rim, or enough of a rigid frame is seen without it: with the hand covered,
     /// everything in the room that has one of four colours is tried, and some of it is of the right size.
+    /// Things without a rim do not vouch for each other.
     pub(super) fn drop_unproven(&self, finds: &mut Finds) {
         let taught = self.tracks.iter().flatten().count();
         if self.config.centre.mode == CentreMode::RowEdge || !self.config.rigid || taught < 2 {
             return;
         }
-        let seen = finds.iter().flatten().count();
+        let proven =
+            |find: &Find| find.mode != Mode::Global || find.rim.is_some_and(|rim| rim.visible >= CLEAR_RIM);
+        if finds.iter().flatten().filter(|find| proven(find)).count() > VOICES {
+            return;
+        }
         for slot in finds {
-            let round = |find: &Find| find.rim.is_some_and(|rim| rim.visible >= CLEAR_RIM);
-            if seen <= VOICES && slot.as_ref().is_some_and(|find| find.mode == Mode::Global && !round(find)) {
-                *slot = None;
-            }
+            *slot = slot.take_if(|find| proven(find));
         }
     }
 }

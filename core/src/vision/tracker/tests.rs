@@ -58,6 +58,40 @@ fn four_balls_are_seen_whole_in_their_windows() {
     }
 }
 
+/// The whole hand is covered, and things in the room have the balls' colours and size, one of them or
+/// all four, even standing to each other as the balls do. They have no ball's rim: nothing is reported
+/// where there is none.
+#[test]
+fn things_without_a_balls_rim_are_no_balls_while_the_hand_is_covered() {
+    for colours in [&[Ball::Yellow][..], &[Ball::Red, Ball::Green, Ball::Blue], &Ball::ALL] {
+        let mut tracker = tracker(TrackerConfig::default());
+        for frame in 0..5 {
+            step(&mut tracker, &with_balls(PLACES), frame);
+        }
+        let mut covered = Painter::new();
+        for ball in colours {
+            let (u, v) = PLACES[ball.index()];
+            let (x, y) = (u as i32 + 70, v as i32 + 35);
+            covered.block(x - 8, y - 7, x + 8, y + 7, Painter::colour(*ball));
+        }
+        for frame in 5..60 {
+            let report = step(&mut tracker, &covered, frame);
+            for (ball, observation) in Ball::ALL.into_iter().zip(&report.observations) {
+                let near = off(&report, ball, PLACES[ball.index()]) < 1.0;
+                let nowhere = observation.state == ObservationState::Lost;
+                assert!(
+                    nowhere || (near && !observation.state.is_measured()),
+                    "{ball:?} in frame {frame} of {colours:?}"
+                );
+            }
+        }
+        for frame in 60..63 {
+            let report = step(&mut tracker, &with_balls(PLACES), frame);
+            assert!(report.observations.iter().all(|ball| ball.state == ObservationState::Visible));
+        }
+    }
+}
+
 #[test]
 fn without_a_place_a_global_search_finds_them() {
     let mut tracker =
