@@ -9,20 +9,19 @@
 //!                                              |  asked to stop, loss, fault, another master
 //!                                           stopped (quick stop) -- enable --> enabling, or listening
 //! ```
+//!
+//! What each phase does is in `phases`, what stops the arm in `judgement`.
 
-use super::cause::{Cause, DriveName, Foreign};
-use super::cia402::State;
+mod judgement;
+mod phases;
+
+use super::cause::{Cause, DriveName};
 use super::config::{CanopenConfig, CanopenConfigError, Homing};
-use super::frame::{
-    EMERGENCY, Frame, HEARTBEAT, NMT, NmtCommand, NmtState, RPDO1, SDO_ANSWER, SDO_REQUEST, SYNC, TPDO1,
-};
-use super::node::{Node, Progress};
+use super::frame::{EMERGENCY, Frame, HEARTBEAT, NmtState, SDO_ANSWER, SYNC, TPDO1};
+use super::node::Node;
 use tetrad_core::arm::port::PortStatus;
 use tetrad_core::arm::puma560::Counts;
 use tetrad_core::config::{JOINTS, PumaConfig};
-
-/// Between the end of the set-up and the first answer to SYNC a drive may take its time: cycles.
-const FIRST_ANSWER_CYCLES: u32 = 100;
 
 /// How far a motor may be sent in a cycle, in cycles at the joint's largest speed: a set-point that
 /// comes a cycle late and the next one then make one step of two.
@@ -248,20 +247,6 @@ impl Master {
         }
     }
 
-    /// What only a master sends: no bus gives back our own frames.
-    fn foreign(&self, frame: &Frame) -> Option<Foreign> {
-        let node = frame.node();
-        let ours = self.nodes.iter().any(|known| known.name.node == node);
-        match frame.function() {
-            NMT if node == 0 => Some(Foreign::Nmt),
-            SYNC if node == 0 => Some(Foreign::Sync),
-            RPDO1 if ours => Some(Foreign::Target(node)),
-            SDO_REQUEST if ours => Some(Foreign::Request(node)),
-            HEARTBEAT if node == self.config.master => Some(Foreign::Heartbeat(node)),
-            _ => None,
-        }
-    }
-
     // ---- the cycle
 
     /// Ends the cycle that is over, decides, and gives the frames that begin the next one.
@@ -291,178 +276,6 @@ impl Master {
             Phase::Stopped => self.stopped(),
         }
         self.emit(now_us, out);
-    }
-
-    fn begin_configuring(&mut self) {
-        self.owning = true;
-        self.operational = false;
-        for node in &mut self.nodes {
-            node.begin();
-            self.commands.push(NmtCommand::PreOperational.to(node.name.node));
-        }
-        self.enter(Phase::Configuring);
-    }
-
-    fn configure(&mut self) {
-        let mut done = true;
-        for node in &mut self.nodes {
-            if node.restarted {
-                // it was switched on just now: from the beginning
-                node.begin();
-            }
-            match node.configure() {
-                Ok(progress) => done &= progress == Progress::Done,
-                Err(cause) => {
-                    let cause = self.widened(cause);
-                    return self.halt(cause);
-                }
-            }
-        }
-        if done {
-            self.operational = true;
-            self.commands.extend(self.nodes.iter().map(|node| NmtCommand::Start.to(node.name.node)));
-            self.enter(Phase::Idle);
-        }
-    }
-
-    /// That one drive is silent, or that all are.
-    fn widened(&self, cause: Cause) -> Cause {
-        let unheard = |node: &Node| match self.operational {
-            // in the cycle in which a bus is cut some drives have answered and some have not
-            true => node.missing > 0 && node.missing + 1 >= self.patience(),
-            false => node.nmt.is_none(),
-        };
-        match cause {
-            Cause::Silent(_) if self.nodes.iter().all(unheard) => Cause::AllSilent,
-            cause => cause,
-        }
-    }
-
-    /// Cycles that a drive may go without an answer.
-    fn patience(&self) -> u32 {
-        match self.phase {
-            Phase::Enabling | Phase::Running | Phase::Stopped => self.config.missing_cycles,
-            _ => self.config.missing_cycles.max(FIRST_ANSWER_CYCLES),
-        }
-    }
-
-    /// The worst that can be told from what was heard.
-    fn judge(&self, now_us: u64) -> Option<Cause> {
-        let timeout_us = u64::from(self.config.heartbeat_timeout_ms) * 1_000;
-        let patience = self.patience();
-        if let Some(fault) = self.nodes.iter().find(|node| {
-            node.state().is_some_and(State::is_fault)
-                && !(self.phase == Phase::Enabling && node.is_resetting())
-        }) {
-            return Some(Cause::Fault(fault.name, fault.error));
-        }
-        if let Some(cause) = self.nodes.iter().find_map(|node| node.complaint(now_us, timeout_us, patience)) {
-            return Some(self.widened(cause));
-        }
-        if !matches!(self.phase, Phase::Enabling | Phase::Running) {
-            return None;
-        }
-        for node in &self.nodes {
-            if let Some(state @ (NmtState::PreOperational | NmtState::Stopped)) = node.nmt {
-                return Some(Cause::NotOperational(node.name, state));
-            }
-            if let (Phase::Running, Some(state)) = (self.phase, node.state())
-                && state != State::OperationEnabled
-            {
-                return Some(Cause::LeftOperation(node.name, state));
-            }
-        }
-        self.not_homed().map(Cause::HomingLost)
-    }
-
-    fn idle(&mut self) {
-        for node in &mut self.nodes {
-            node.tell_idle();
-        }
-        if self.nodes.iter().any(|node| node.position.is_none()) {
-            return;
-        }
-        if self.not_homed().is_some() {
-            // power comes on when somebody asks for it, not when homing happens to end
-            self.wanted = false;
-        } else if self.wanted {
-            self.begin_enabling();
-        }
-    }
-
-    fn begin_enabling(&mut self) {
-        self.wanted = false;
-        if let Some(drive) = self.not_homed() {
-            self.cause = Some(Cause::HomingLost(drive));
-            return;
-        }
-        for node in &mut self.nodes {
-            node.begin_reset();
-        }
-        self.enter(Phase::Enabling);
-    }
-
-    fn enabling(&mut self, in_phase_us: u64) {
-        let allowed_us = u64::from(self.config.enable_timeout_ms) * 1_000;
-        let patient = in_phase_us < allowed_us / 2;
-        for node in &mut self.nodes {
-            node.tell_enable(patient);
-        }
-        match self.nodes.iter().find(|node| node.state() != Some(State::OperationEnabled)) {
-            None => {
-                self.set_point = None;
-                self.goal = self.targets();
-                self.without_set_point = 0;
-                self.enter(Phase::Running);
-            }
-            Some(node) if in_phase_us >= allowed_us => {
-                let cause = Cause::Stuck(node.name, node.state().unwrap_or(State::NotReady));
-                self.halt(cause);
-            }
-            Some(_) => {}
-        }
-    }
-
-    fn running(&mut self) {
-        match self.set_point.take() {
-            Some(goal) => {
-                self.goal = goal;
-                self.without_set_point = 0;
-                self.counters.set_points += 1;
-            }
-            None => self.without_set_point += 1,
-        }
-        if self.without_set_point > self.config.watchdog_cycles {
-            let ms = self.config.watchdog_cycles * (self.config.period_us / 1_000);
-            return self.halt(Cause::NoSetPoint(ms));
-        }
-        for (node, goal) in self.nodes.iter_mut().zip(self.goal) {
-            node.tell_target(goal);
-        }
-    }
-
-    fn stopped(&mut self) {
-        for node in &mut self.nodes {
-            node.tell_stop();
-        }
-        if matches!(self.cause, Some(Cause::HomingLost(_))) && self.not_homed().is_none() {
-            self.cause = Some(Cause::Asked);
-        }
-        if let Some(Cause::Fault(name, code)) = &mut self.cause
-            && *code == 0
-            && let Some(node) = self.nodes.iter_mut().find(|node| node.name == *name)
-        {
-            node.learn_error();
-            *code = node.error;
-        }
-    }
-
-    /// Stops for `cause`, unless it is stopped for something that weighs as much.
-    fn consider(&mut self, cause: Cause) {
-        let standing = self.cause.as_ref().filter(|_| self.phase == Phase::Stopped);
-        if standing.is_none_or(|standing| standing.is_benign() && !cause.is_benign()) {
-            self.halt(cause);
-        }
     }
 
     fn halt(&mut self, cause: Cause) {
