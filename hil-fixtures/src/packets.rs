@@ -3,7 +3,10 @@
 
 use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::{BALLS, Observation};
-use tetrad_core::wire::{ButtonsPacket, MotionPacket, ObservationPacket, Transform};
+use tetrad_core::wire::{
+    ArmReason, ArmState, ArmStatePacket, ArmVerdict, ButtonsPacket, ControllerState, MotionPacket,
+    ObservationPacket, Transform,
+};
 
 /// A hand at rest where it was latched, for the first time; the operator wants the arm to move.
 #[must_use]
@@ -36,6 +39,29 @@ pub const fn motion_to(session: u32, sequence: u32, place_m: [f32; 3]) -> Motion
 #[must_use]
 pub const fn buttons(session: u32, sequence: u32) -> ButtonsPacket {
     ButtonsPacket { session, sequence, time_us: 0, pressed: false, stop: false, resets: 0 }
+}
+
+/// An arm that is switched on and that nothing limits, in this state, for this reason.
+#[must_use]
+pub const fn arm_state(state: ArmState, reason: ArmReason) -> ArmStatePacket {
+    ArmStatePacket {
+        session: 1,
+        sequence: 1,
+        time_us: 1,
+        state,
+        reason,
+        notes: 0,
+        verdict: ArmVerdict::Pass,
+        limits: 0,
+        speed_share: 1.0,
+        controller: ControllerState::Ready,
+        measured: None,
+        set_point: [0.0; 6],
+        tool: Transform::IDENTITY,
+        command: None,
+        settled: None,
+        buttons_age_us: None,
+    }
 }
 
 /// A picture without a ball: in memory 1 ms after it was taken, looked through 2 ms later.

@@ -80,6 +80,19 @@ fn a_terminal_that_tells_of_releases_is_believed() {
 }
 
 #[test]
+fn a_terminal_that_is_closed_brings_the_arm_to_rest_and_ends_the_run() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut terminal = start(Kind::Plain, dir.path(), "sim:?watchdog_ms=5000");
+    armed(&mut terminal);
+    terminal.until("arm engaged", |terminal| terminal.strike(" "));
+    terminal.hang_up();
+    assert_eq!(terminal.end().0, Some(4));
+    let arm = fs::read_to_string(dir.path().join("out/arm.csv")).unwrap();
+    let state = arm.lines().last().unwrap().split(',').nth(1).unwrap().to_owned();
+    assert!(arm.contains(",engaged,") && state == "stopped", "{state}");
+}
+
+#[test]
 fn an_arm_that_is_lost_ends_the_run() {
     let dir = tempfile::tempdir().unwrap();
     let terminal = start(Kind::Plain, dir.path(), "sim:?silence=1s");

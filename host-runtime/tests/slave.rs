@@ -145,20 +145,34 @@ mod keys {
     use super::terminal::{Kind, Terminal};
     use super::{PATIENT, record};
     use std::fs;
+    use std::path::Path;
 
     /// `tetrad slave` at a terminal, whose keys are struck one after the other, each when what stands
     /// before it has been said: how it ends, and what it said.
     fn at_the_keys(port: &str, keys: &[(&str, &str)]) -> (Option<i32>, String) {
         let dir = tempfile::tempdir().unwrap();
-        record(&dir.path().join("motion.bin"), 3, None);
-        fs::write(dir.path().join("tetrad.toml"), PATIENT).unwrap();
+        struck(dir.path(), port, keys).end()
+    }
+
+    fn struck(dir: &Path, port: &str, keys: &[(&str, &str)]) -> Terminal {
+        record(&dir.join("motion.bin"), 3, None);
+        fs::write(dir.join("tetrad.toml"), PATIENT).unwrap();
         let arguments = format!("slave --config tetrad.toml --packets motion.bin --port {port}");
-        let mut terminal = Terminal::start(Kind::Plain, dir.path(), &arguments);
+        let mut terminal = Terminal::start(Kind::Plain, dir, &arguments);
         for (before, key) in keys {
             terminal.until(before, |_| {});
             terminal.strike(key);
         }
-        terminal.end()
+        terminal
+    }
+
+    #[test]
+    fn a_terminal_that_is_closed_ends_it_by_a_safety_rule() {
+        let dir = tempfile::tempdir().unwrap();
+        let mut terminal = struck(dir.path(), "sim:?watchdog_ms=5000", &[("r resets", "r")]);
+        terminal.until("armed", |_| {});
+        terminal.hang_up();
+        assert_eq!(terminal.end().0, Some(4));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::interrupt::Interrupt;
 use super::memory::Memory;
-use super::{note, say};
+use super::{note, say, tell_aside};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Carrier as _, Link, Peer};
 use crate::robot::clock::Clock;
@@ -59,6 +59,7 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
     let network = settings.network.as_ref().ok_or_else(|| missing("[station]"))?;
     let camera = settings.camera.as_ref().ok_or_else(|| missing("[camera]"))?;
     let interrupt = Interrupt::listen()?;
+    tell_aside()?;
     let clock = Clock::wall();
     let link = start(network, &clock)?;
     let label = Label { camera: CAMERA, session: link.session() };

@@ -4,13 +4,23 @@
 //! the bar counts as held from its first repeat on, and after each repeat for twice as long as the
 //! repeats lately were apart, [`LONGEST_GAP`] at most: a mere tap moves nothing, and a release is known
 //! soon. Terminals that do tell (kitty's protocol) are believed at once, both ways.
+//!
+//! What is struck is read on a thread of its own: reading a terminal that has gone away may never return,
+//! and an arm's cycles may not wait for it. Whether it has gone is asked of the system beside that.
 
+use crate::exit::{Exit, Failure};
 use crossterm::event::{
     self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers, KeyboardEnhancementFlags,
     PopKeyboardEnhancementFlags, PushKeyboardEnhancementFlags,
 };
 use crossterm::{execute, terminal};
-use std::io;
+use rustix::event::{PollFd, PollFlags, Timespec};
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::{self, IsTerminal as _};
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Longer than the slowest usual delay before a key repeats (660 ms under X11).
@@ -24,6 +34,13 @@ const SHORTEST_GAP: Duration = Duration::from_millis(80);
 
 /// So many gaps between repeats tell how far apart they are.
 const GAPS: usize = 4;
+
+/// What has been struck waits in a queue of so many keys. Nobody strikes as many between two looks; what
+/// does is no hand on the keys, and stops the arm.
+const STRUCK: usize = 64;
+
+/// The thread that reads looks so often whether it is to end.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// What the operator did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,6 +111,54 @@ pub(in crate::cli) struct Keyboard {
     held: Held,
     /// The bar was struck and nobody has asked yet.
     struck: bool,
+    reader: Arc<Reader>,
+    /// The terminal, to ask whether it is still there.
+    terminal: OwnedFd,
+}
+
+/// What the thread that reads the terminal has read.
+#[derive(Debug, Default)]
+struct Reader {
+    desk: Mutex<Struck>,
+    end: AtomicBool,
+}
+
+#[derive(Debug, Default)]
+struct Struck {
+    keys: VecDeque<(KeyEvent, Instant)>,
+    /// There was no room for another key.
+    too_many: bool,
+    failed: Option<io::Error>,
+}
+
+impl Reader {
+    fn desk(&self) -> MutexGuard<'_, Struck> {
+        // plain data: whoever panicked with the lock left it whole
+        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn read(&self) {
+        while !self.end.load(Ordering::Relaxed) {
+            match event::poll(LOOK).and_then(|is_there| is_there.then(event::read).transpose()) {
+                Ok(Some(Event::Key(event))) => self.desk().strike(event, Instant::now()),
+                Ok(_) => {}
+                Err(error) => {
+                    self.desk().failed = Some(error);
+                    return;
+                }
+            }
+        }
+    }
+}
+
+impl Struck {
+    fn strike(&mut self, event: KeyEvent, at: Instant) {
+        if self.keys.len() < STRUCK {
+            self.keys.push_back((event, at));
+        } else {
+            self.too_many = true;
+        }
+    }
 }
 
 impl Keyboard {
@@ -103,30 +168,70 @@ impl Keyboard {
     /// Where there is none, or it cannot be switched to raw mode.
     pub(in crate::cli) fn open() -> io::Result<Self> {
         terminal::enable_raw_mode()?;
+        // the one that keys are read from
+        let terminal = match io::stdin() {
+            stdin if stdin.is_terminal() => stdin.as_fd().try_clone_to_owned()?,
+            _ => File::open("/dev/tty")?.into(),
+        };
         // whoever does not answer does not tell
         let tells_releases = terminal::supports_keyboard_enhancement().unwrap_or(false);
-        let keyboard = Self { held: Held { tells_releases, ..Held::default() }, struck: false };
+        let keyboard = Self::of(terminal, tells_releases);
         if tells_releases {
             let flags = KeyboardEnhancementFlags::REPORT_EVENT_TYPES
                 | KeyboardEnhancementFlags::REPORT_ALL_KEYS_AS_ESCAPE_CODES;
             execute!(io::stderr(), PushKeyboardEnhancementFlags(flags))?;
         }
+        let reader = Arc::clone(&keyboard.reader);
+        std::thread::Builder::new().name("keys".to_owned()).spawn(move || reader.read())?;
         Ok(keyboard)
+    }
+
+    fn of(terminal: OwnedFd, tells_releases: bool) -> Self {
+        let held = Held { tells_releases, ..Held::default() };
+        Self { held, struck: false, reader: Arc::default(), terminal }
     }
 
     /// The next thing that the operator did since the last call; `None` when there is nothing left.
     ///
     /// # Errors
     /// Where the terminal went away: the bar is then not held any more.
-    pub(in crate::cli) fn next(&mut self, now: Instant) -> io::Result<Option<Key>> {
-        while event::poll(Duration::ZERO).inspect_err(|_| self.held.let_go())? {
-            if let Event::Key(event) = event::read()?
-                && let Some(key) = self.key(event, now)
-            {
-                return Ok(Some(key));
+    pub(in crate::cli) fn next(&mut self) -> io::Result<Option<Key>> {
+        loop {
+            let mut desk = self.reader.desk();
+            let next = desk.keys.pop_front();
+            let (too_many, failed) = (std::mem::take(&mut desk.too_many), desk.failed.take());
+            drop(desk);
+            if too_many {
+                self.held.let_go();
+                return Ok(Some(Key::Stop));
+            }
+            match next {
+                Some((event, at)) => {
+                    if let Some(key) = self.key(event, at) {
+                        return Ok(Some(key));
+                    }
+                }
+                None => {
+                    return match failed {
+                        Some(error) => {
+                            self.held.let_go();
+                            Err(error)
+                        }
+                        None => self.still_there().map(|()| None),
+                    };
+                }
             }
         }
-        Ok(None)
+    }
+
+    /// # Errors
+    /// Where the terminal went away.
+    pub(in crate::cli) fn still_there(&mut self) -> io::Result<()> {
+        if is_gone(self.terminal.as_fd()) {
+            self.held.let_go();
+            return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "it was hung up"));
+        }
+        Ok(())
     }
 
     /// Whether the space bar is held.
@@ -164,8 +269,24 @@ impl Keyboard {
     }
 }
 
+/// How a run ends at which nobody can reach the keys any more.
+pub(in crate::cli) fn went_away(cause: io::Error) -> Failure {
+    let cause = anyhow::Error::new(cause).context("the terminal went away");
+    Failure::new(Exit::Safety, cause).help("tmux or screen keep a terminal when the connection to it is lost")
+}
+
+/// Whether the other end of a terminal has been closed.
+fn is_gone(terminal: BorrowedFd<'_>) -> bool {
+    let mut asked = [PollFd::from_borrowed_fd(terminal, PollFlags::empty())];
+    let at_once = Timespec { tv_sec: 0, tv_nsec: 0 };
+    let gone = PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL;
+    rustix::event::poll(&mut asked, Some(&at_once)).is_ok() && asked[0].revents().intersects(gone)
+}
+
 impl Drop for Keyboard {
     fn drop(&mut self) {
+        // it is not waited for: at a terminal that has gone it may never return
+        self.reader.end.store(true, Ordering::Relaxed);
         // the terminal may be gone already; there is nobody left to tell
         if self.held.tells_releases {
             let _ = execute!(io::stderr(), PopKeyboardEnhancementFlags);
@@ -179,7 +300,7 @@ mod tests {
     use super::*;
 
     fn keyboard(tells_releases: bool) -> Keyboard {
-        Keyboard { held: Held { tells_releases, ..Held::default() }, struck: false }
+        Keyboard::of(File::open("/dev/null").unwrap().into(), tells_releases)
     }
 
     const MS: Duration = Duration::from_millis(1);
@@ -280,5 +401,30 @@ mod tests {
             assert_eq!(keyboard.key(press(code), now), Some(key));
             assert!(!keyboard.is_held(now), "{code:?}");
         }
+    }
+
+    #[test]
+    fn a_terminal_that_is_hung_up_lets_go_and_says_so() {
+        use serialport::SerialPort as _;
+        let (master, slave) = serialport::TTYPort::pair().unwrap();
+        let terminal = File::options().read(true).write(true).open(slave.name().unwrap()).unwrap();
+        drop(slave);
+        let mut keyboard = Keyboard::of(terminal.into(), true);
+        let last = strikes(&mut keyboard.held, Instant::now(), 30 * MS, 4);
+        assert_eq!(keyboard.next().unwrap(), None);
+        assert!(keyboard.is_held(last));
+        drop(master);
+        assert_eq!(keyboard.next().unwrap_err().to_string(), "it was hung up");
+        assert!(!keyboard.is_held(last));
+    }
+
+    #[test]
+    fn more_keys_than_a_hand_strikes_are_a_stop() {
+        let mut keyboard = keyboard(false);
+        for _ in 0..=STRUCK {
+            keyboard.reader.desk().strike(press(KeyCode::Char(' ')), Instant::now());
+        }
+        assert_eq!(keyboard.next().unwrap(), Some(Key::Stop));
+        assert_eq!(keyboard.next().unwrap(), None);
     }
 }

@@ -11,6 +11,7 @@ mod keyboard;
 mod keys;
 mod learn;
 mod memory;
+mod notes;
 mod operator;
 mod progress;
 mod slave;
@@ -21,6 +22,7 @@ use crate::output::Summary;
 use crate::settings::TrackArgs;
 use anyhow::Context as _;
 use clap::{Parser, Subcommand};
+use notes::{note, tell_aside};
 use std::fmt::Display;
 use std::io::{self, Write as _};
 use std::path::Path;
@@ -87,7 +89,7 @@ enum Command {
 /// # Errors
 /// [`Failure`] with the exit code and the message to print.
 pub fn run(cli: Cli) -> Result<(), Failure> {
-    match cli.command {
+    let done = match cli.command {
         Command::Arm(args) => arm::run(&args),
         Command::Camera(args) => camera::run(&args),
         Command::Check(args) => check::run(&args),
@@ -99,8 +101,9 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Operator(args) => operator::run(&args),
         Command::Slave(args) => slave::run(&args),
         Command::Track(args) => track::run(args),
-    }?;
-    printed()
+    };
+    notes::flush();
+    done.and_then(|()| printed())
 }
 
 /// Makes the directory results go to, and those above it.
@@ -120,6 +123,8 @@ fn make_results_dir(dir: &Path) -> Result<(), Failure> {
 /// Prints a result. A reader that went away (`tetrad ... | head`) is no error; a disk that is full is
 /// one, and [`printed`] tells of it at the end.
 fn say(text: impl Display) {
+    // what was told before stands before it
+    notes::flush();
     if let Err(error) = writeln!(io::stdout(), "{text}")
         && error.kind() != io::ErrorKind::BrokenPipe
     {
@@ -140,11 +145,6 @@ fn printed() -> Result<(), Failure> {
         (None, Err(cause)) if cause.kind() != io::ErrorKind::BrokenPipe => Err(failed(&cause)),
         _ => Ok(()),
     }
-}
-
-/// Tells the user something beside the results.
-fn note(text: impl Display) {
-    let _ = writeln!(io::stderr(), "{text}");
 }
 
 /// A number that no earlier run is likely to have had.

@@ -1,5 +1,6 @@
 //! `arm.csv`: what the arm was told, what it did and why, one row a cycle.
 
+use super::aside::Aside;
 use super::csv::{CsvFile, OutputError, Row};
 use crate::station::Cycle;
 use std::path::Path;
@@ -51,6 +52,42 @@ impl ArmCsv {
             numbers(row, governed.map(|governed| twelve(&governed.pose)));
             numbers(row, step.measured.map(|pose| pose.translation.into()));
         })
+    }
+}
+
+/// So many cycles wait for the disk at most: ten seconds at the usual rate.
+const WAITING: usize = 1_024;
+
+/// [`ArmCsv`] on a thread of its own, for an arm that cannot wait for a disk.
+#[derive(Debug)]
+pub struct ArmRecord(Aside<(f64, Cycle)>);
+
+impl ArmRecord {
+    /// Creates the file in `dir`.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be created, or the system has no thread left.
+    pub fn create(dir: &Path) -> Result<Self, OutputError> {
+        let mut csv = ArmCsv::create(dir)?;
+        let aside = Aside::start(WAITING, move |(t_s, cycle): &(f64, Cycle)| csv.write(*t_s, cycle));
+        aside.map(Self).map_err(|cause| OutputError { path: dir.join("arm.csv"), cause })
+    }
+
+    /// Hands one cycle over; never waits.
+    ///
+    /// # Errors
+    /// [`OutputError`] when one before could not be written: there will be no more.
+    pub fn write(&mut self, t_s: f64, cycle: &Cycle) -> Result<(), OutputError> {
+        self.0.put((t_s, *cycle))
+    }
+
+    /// Waits until all is written; a line where not all of it is there.
+    pub fn end(&mut self) -> Option<String> {
+        match self.0.end() {
+            Ok(0) => None,
+            Ok(lost) => Some(format!("arm.csv lacks {lost} cycles: the disk was too slow")),
+            Err(error) => Some(format!("{:#}", anyhow::Error::new(error))),
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod arm;
 mod arm_state;
+mod aside;
 mod csv;
 mod delays;
 mod hand;
@@ -15,8 +16,9 @@ mod scan;
 mod summary;
 mod truth;
 
-pub use arm::ArmCsv;
+pub use arm::{ArmCsv, ArmRecord};
 pub use arm_state::ArmStateCsv;
+pub use aside::Aside;
 pub use csv::{CsvFile, OutputError};
 pub use delays::write_delays;
 pub use hand::{MotionCsv, PoseCovarianceCsv, PoseCsv};

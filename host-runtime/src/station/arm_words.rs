@@ -92,26 +92,16 @@ fn controller_words(controller: ControllerState) -> Option<String> {
 mod tests {
     use super::*;
     use std::collections::HashSet;
-    use tetrad_core::wire::{ArmVerdict, Transform};
+    use tetrad_core::wire::ArmVerdict;
+    use tetrad_fixtures::packets;
 
     fn packet(state: ArmState, reason: ArmReason) -> ArmStatePacket {
         ArmStatePacket {
-            session: 1,
-            sequence: 1,
-            time_us: 1,
-            state,
-            reason,
             notes: 0b1001,
             verdict: ArmVerdict::Clamp,
             limits: 1 << 9,
-            speed_share: 1.0,
             controller: ControllerState::Fault { joint: 3, code: 0x2310 },
-            measured: None,
-            set_point: [0.0; 6],
-            tool: Transform::IDENTITY,
-            command: None,
-            settled: None,
-            buttons_age_us: None,
+            ..packets::arm_state(state, reason)
         }
     }
 

@@ -13,6 +13,8 @@
 //!   is taken off, since the cycle in which a motion has grown too old may come one cycle late.
 //! - Buttons are states and counts, so a lost packet loses nothing: a stop is asked for as long as it is
 //!   pressed, a reset by a count that is another than before. The first packet of a session asks for none.
+//! - A reset answers how the arm stands. One that was asked for before somebody at the arm stopped it, before
+//!   a fault, or while nothing was heard, is no answer to that: it is refused, and has to be asked for again.
 //! - Whether a packet counts at all (its session, its number) was decided by the carrier. Where it says
 //!   that the operator's session is another, the one before has ended: the arm comes to rest at once, and
 //!   takes a release and a press.
@@ -27,12 +29,15 @@ use crate::robot::clock::Clock;
 use tetrad_core::arm::port::PortError;
 use tetrad_core::arm::puma560::Joints;
 use tetrad_core::arm::slave::Stamp;
-use tetrad_core::arm::teleop::{Counts, Order};
+use tetrad_core::arm::teleop::{Counts, Order, State};
 use tetrad_core::config::{SlaveConfig, SlaveConfigError};
 use tetrad_core::wire::{ButtonsPacket, CommandEcho, MotionPacket};
 
 /// How often the arm's state is told while nothing new is, microseconds.
 const TELL_US: u64 = 10_000;
+
+/// Who was not heard for so long has not seen how the arm stands, microseconds: buttons are told each 20 ms.
+const UNHEARD_US: u64 = 500_000;
 
 /// A slave with its arm and its operator.
 #[derive(Debug)]
@@ -45,13 +50,32 @@ pub struct LinkedSlave<C> {
     /// The session that the operator's packets are of.
     operator: Option<u32>,
     buttons: Option<(ButtonsPacket, u64)>,
+    /// The resets that the operator had asked for when the arm's stop was news; `None` until that is known.
+    resets: Option<u32>,
+    /// How the arm stood after the last cycle.
+    state: State,
+    /// When the arm was stopped, or failed, without the operator.
+    stopped_us: Option<u64>,
+    /// Somebody at the arm has stopped it since the last cycle.
+    stopped_here: bool,
     resetting: Option<Resetting>,
-    refused: Option<EnableThenReset>,
+    refused: Option<NoReset>,
     /// The newest motion that was taken, until it is followed.
     fresh: Option<Fresh>,
     command: Option<CommandEcho>,
     settling: Settling,
     trail: Trail,
+}
+
+/// Why a reset of the operator was not done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoReset {
+    /// The arm does not allow it.
+    #[error(transparent)]
+    Refused(#[from] EnableThenReset),
+    /// It was asked for by somebody who could not know how the arm stands.
+    #[error("it was asked for before the arm was stopped, or while the link was down; ask again")]
+    Outdated,
 }
 
 /// A motion that has come and was not followed yet.
@@ -87,6 +111,10 @@ impl<C: Carrier> LinkedSlave<C> {
             told_us: None,
             operator: None,
             buttons: None,
+            resets: None,
+            state: State::Stopped,
+            stopped_us: None,
+            stopped_here: false,
             resetting: None,
             refused: None,
             fresh: None,
@@ -114,7 +142,7 @@ impl<C: Carrier> LinkedSlave<C> {
     }
 
     /// Why the operator's last reset was not done, once.
-    pub const fn take_refusal(&mut self) -> Option<EnableThenReset> {
+    pub const fn take_refusal(&mut self) -> Option<NoReset> {
         self.refused.take()
     }
 
@@ -130,9 +158,10 @@ impl<C: Carrier> LinkedSlave<C> {
         self.command
     }
 
-    /// Somebody at the arm stops it. The operator may reset it.
+    /// Somebody at the arm stops it. The operator may reset it, once the stop is known there.
     pub const fn stop(&mut self) {
         self.station.stop();
+        self.stopped_here = true;
         self.resetting = None;
     }
 
@@ -159,11 +188,19 @@ impl<C: Carrier> LinkedSlave<C> {
     /// One cycle: what came, the law, the limits, the port, and the arm's state. The clock is the
     /// carrier's.
     pub fn cycle(&mut self, clock: &Clock) -> Cycle {
+        if std::mem::replace(&mut self.stopped_here, false) {
+            self.stopped_at(clock.now_us());
+        }
         self.hear(clock);
         // after what came, so that nothing has come in the future
         let now_us = clock.now_us();
         self.go_on_resetting(now_us);
+        let before = self.state;
         let cycle = self.station.cycle_by(now_us, || clock.now_us());
+        self.state = cycle.step.decision.status.state();
+        if self.state == State::Fault && before != State::Fault {
+            self.stopped_at(now_us);
+        }
         let followed = self.follow(&cycle, now_us);
         self.trail.cycle(&cycle, now_us);
         if followed || self.told_us.is_none_or(|told_us| now_us.saturating_sub(told_us) >= TELL_US) {
@@ -177,7 +214,7 @@ impl<C: Carrier> LinkedSlave<C> {
             self.take_motion(&motion);
         }
         if let Some(buttons) = self.carrier.buttons() {
-            self.take_buttons(buttons.what, buttons.received_us, clock.now_us());
+            self.take_buttons(&buttons, clock.now_us());
         }
     }
 
@@ -200,16 +237,39 @@ impl<C: Carrier> LinkedSlave<C> {
         }
     }
 
-    fn take_buttons(&mut self, buttons: ButtonsPacket, received_us: u64, now_us: u64) {
+    fn take_buttons(&mut self, received: &Received<ButtonsPacket>, now_us: u64) {
+        let Received { what: buttons, received_us, captured_us } = *received;
         self.hear_session(buttons.session);
-        let before = self.buttons.replace((buttons, received_us)).map(|(before, _)| before);
+        let before = self.buttons.replace((buttons, received_us));
         self.station.hold_to_run(buttons.pressed, received_us);
         if buttons.stop {
-            self.stop();
-        } else if before.is_some_and(|before| is_reset(&before, &buttons)) {
+            self.station.stop();
+            self.resetting = None;
+        }
+        let heard = before.is_some_and(|(before, heard_us)| {
+            before.session == buttons.session && received_us.saturating_sub(heard_us) <= UNHEARD_US
+        });
+        let told_us = captured_us.unwrap_or(received_us);
+        let knows = heard && self.stopped_us.is_none_or(|stopped_us| told_us > stopped_us);
+        let known = self.resets.replace(buttons.resets);
+        let same_session = before.is_some_and(|(before, _)| before.session == buttons.session);
+        if buttons.stop || !same_session || known == Some(buttons.resets) {
+            return;
+        }
+        if knows && known.is_some() {
             self.resetting = Some(Resetting::asked(now_us));
             self.refused = None;
+        } else if before.is_some_and(|(before, _)| before.resets != buttons.resets) {
+            self.refused = Some(NoReset::Outdated);
         }
+    }
+
+    /// The arm was stopped, or has failed, without the operator: whatever is asked for until that is known
+    /// there is no answer to it.
+    const fn stopped_at(&mut self, now_us: u64) {
+        self.stopped_us = Some(now_us);
+        self.resets = None;
+        self.resetting = None;
     }
 
     fn go_on_resetting(&mut self, now_us: u64) {
@@ -217,7 +277,7 @@ impl<C: Carrier> LinkedSlave<C> {
         match resetting.go_on(&mut self.station, now_us) {
             Reset::Done => {}
             Reset::Waits => self.resetting = Some(resetting),
-            Reset::Refused(refusal) => self.refused = Some(refusal),
+            Reset::Refused(refusal) => self.refused = Some(refusal.into()),
         }
     }
 
@@ -275,11 +335,6 @@ impl<C: Carrier> LinkedSlave<C> {
         }
         self.told_us = Some(now_us);
     }
-}
-
-/// Whether the buttons ask for a reset: a count that has changed within a session.
-const fn is_reset(before: &ButtonsPacket, now: &ButtonsPacket) -> bool {
-    before.session == now.session && before.resets != now.resets
 }
 
 #[cfg(test)]

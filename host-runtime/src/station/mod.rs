@@ -40,7 +40,7 @@ mod unattended;
 pub use announcement::{SlaveAnnouncement, UnreadableAnnouncement};
 pub use camera::{CameraCounts, CameraSink, CameraStation, CameraThread, Label};
 pub use following::{Closeness, Following, Truth};
-pub use linked_slave::LinkedSlave;
+pub use linked_slave::{LinkedSlave, NoReset};
 pub use motion::MotionSender;
 pub use node::{NodeCounts, SerialNode};
 pub use operator::Operator;

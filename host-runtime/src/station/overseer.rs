@@ -10,7 +10,7 @@ use super::serve::serve;
 use super::slave::Cycle;
 use crate::exit::{Exit, Failure};
 use crate::link::Carrier;
-use crate::output::ArmCsv;
+use crate::output::ArmRecord;
 use crate::robot::clock::Clock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tetrad_core::arm::port::{PortError, PortStatus};
@@ -26,7 +26,7 @@ const LOST_US: u64 = 2_000_000;
 /// the end where its arm is lost.
 pub struct Overseer {
     scene: SceneCameras,
-    record: Option<ArmCsv>,
+    record: Option<ArmRecord>,
     clock: Clock,
     began_us: u64,
     looked_us: Option<u64>,
@@ -57,7 +57,7 @@ pub struct Overseen {
 impl Overseer {
     /// Of a slave that begins now; `record` gets every cycle.
     #[must_use]
-    pub fn new(scene: SceneCameras, record: Option<ArmCsv>, clock: &Clock) -> Self {
+    pub fn new(scene: SceneCameras, record: Option<ArmRecord>, clock: &Clock) -> Self {
         let began_us = clock.now_us();
         let clock = clock.clone();
         Self { scene, record, clock, began_us, looked_us: None, lost_since_us: None, lost: None }
@@ -85,6 +85,7 @@ impl Overseer {
         if let Some((p50, p99)) = served.written.quantile_us(0.5).zip(served.written.quantile_us(0.99)) {
             lines.push(("motion", format!("at the port {p50} us (p50), {p99} us (p99) after it came")));
         }
+        lines.extend(self.record.as_mut().and_then(ArmRecord::end).map(|line| ("record", line)));
         lines.extend(self.scene.end().map(|line| ("pictures", line)));
         // a controller that does not answer takes no stop either
         let trouble = self.lost.map(SlaveTrouble::Lost);

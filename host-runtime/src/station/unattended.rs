@@ -69,35 +69,14 @@ impl Unattended {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tetrad_core::wire::{ArmVerdict, ControllerState, Transform};
-
-    fn state(state: ArmState, reason: ArmReason) -> ArmStatePacket {
-        ArmStatePacket {
-            session: 1,
-            sequence: 1,
-            time_us: 1,
-            state,
-            reason,
-            notes: 0,
-            verdict: ArmVerdict::Pass,
-            limits: 0,
-            speed_share: 1.0,
-            controller: ControllerState::Ready,
-            measured: None,
-            set_point: [0.0; 6],
-            tool: Transform::IDENTITY,
-            command: None,
-            settled: None,
-            buttons_age_us: None,
-        }
-    }
+    use tetrad_fixtures::packets;
 
     /// The buttons while the arm says the same for so long, told each 10 ms.
     fn hold(unattended: &mut Unattended, now_us: &mut u64, says: (ArmState, ArmReason), us: u64) -> Buttons {
         let end_us = *now_us + us;
         while *now_us < end_us {
             *now_us += 10_000;
-            unattended.hear(&state(says.0, says.1), *now_us);
+            unattended.hear(&packets::arm_state(says.0, says.1), *now_us);
         }
         unattended.buttons(*now_us)
     }

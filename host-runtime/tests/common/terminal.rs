@@ -3,6 +3,7 @@
 use serialport::{SerialPort as _, TTYPort};
 use std::fs::File;
 use std::io::{Read as _, Write as _};
+use std::os::fd::{AsRawFd as _, BorrowedFd};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,6 +13,16 @@ use std::time::{Duration, Instant};
 
 /// How long anything may take.
 const LONG: Duration = Duration::from_secs(120);
+
+/// Held while a terminal is opened and its program started.
+static STARTING: Mutex<()> = Mutex::new(());
+
+/// Leaves a handle to this process alone.
+fn keep(handle: &TTYPort) {
+    // SAFETY: the handle is open for as long as it is borrowed here
+    let handle = unsafe { BorrowedFd::borrow_raw(handle.as_raw_fd()) };
+    rustix::io::fcntl_setfd(handle, rustix::io::FdFlags::CLOEXEC).expect("a handle can be kept");
+}
 
 /// What kind of terminal it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +35,8 @@ pub(crate) enum Kind {
 
 /// See the module's text. Dropped, the program is killed.
 pub(crate) struct Terminal {
-    master: TTYPort,
+    /// Gone once it is hung up.
+    master: Option<TTYPort>,
     child: Child,
     said: Arc<Mutex<Vec<u8>>>,
     over: Arc<AtomicBool>,
@@ -35,7 +47,11 @@ impl Terminal {
     /// Starts `tetrad` with these words as arguments.
     #[track_caller]
     pub(crate) fn start(kind: Kind, dir: &Path, arguments: &str) -> Self {
+        // another test's program may not inherit this terminal: it would never be hung up
+        let starting = STARTING.lock().unwrap_or_else(PoisonError::into_inner);
         let (mut master, slave) = TTYPort::pair().expect("a pseudo-terminal");
+        keep(&master);
+        keep(&slave);
         master.set_timeout(Duration::from_millis(20)).expect("a timeout");
         let name = slave.name().expect("its name");
         let end = || Stdio::from(File::options().read(true).write(true).open(&name).expect("its other end"));
@@ -46,6 +62,8 @@ impl Terminal {
         let child = command.spawn().expect("the program starts");
         let (said, over) = (Arc::<Mutex<Vec<u8>>>::default(), Arc::<AtomicBool>::default());
         let mut theirs = master.try_clone_native().expect("a second handle");
+        keep(&theirs);
+        drop(starting);
         let (heard, ended) = (Arc::clone(&said), Arc::clone(&over));
         let reader = std::thread::spawn(move || {
             // kept open, or the terminal hangs up before the program has it
@@ -58,12 +76,13 @@ impl Terminal {
                 answer(kind, &mut said, &mut theirs);
             }
         });
-        Self { master, child, said, over, reader: Some(reader) }
+        Self { master: Some(master), child, said, over, reader: Some(reader) }
     }
 
     /// Strikes keys.
     pub(crate) fn strike(&mut self, keys: &str) {
-        self.master.write_all(keys.as_bytes()).expect("the terminal is there");
+        let master = self.master.as_mut().expect("it is not hung up");
+        master.write_all(keys.as_bytes()).expect("the terminal is there");
     }
 
     /// What is on the screen.
@@ -79,6 +98,19 @@ impl Terminal {
             assert!(began.elapsed() < LONG, "never {what:?}: {}", self.said());
             again(self);
             std::thread::sleep(Duration::from_millis(30));
+        }
+    }
+
+    /// Closes the terminal, as a window that is closed or a connection that is lost does.
+    pub(crate) fn hang_up(&mut self) {
+        self.stop_reading();
+        self.master = None;
+    }
+
+    fn stop_reading(&mut self) {
+        self.over.store(true, Ordering::Relaxed);
+        if let Some(reader) = self.reader.take() {
+            let _ = reader.join();
         }
     }
 
@@ -117,9 +149,6 @@ impl Drop for Terminal {
         // one that has ended is not there to be killed
         let _ = self.child.kill();
         let _ = self.child.wait();
-        self.over.store(true, Ordering::Relaxed);
-        if let Some(reader) = self.reader.take() {
-            let _ = reader.join();
-        }
+        self.stop_reading();
     }
 }

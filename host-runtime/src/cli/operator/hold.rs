@@ -1,6 +1,6 @@
 //! Who holds hold-to-run: the terminal's space bar, or nobody where no arm of iron can move.
 
-use super::super::keyboard::{Key, Keyboard};
+use super::super::keyboard::{Key, Keyboard, went_away};
 use crate::exit::{Exit, Failure};
 use crate::station::operator::Buttons;
 use crate::station::{SlaveAnnouncement, Unattended};
@@ -88,7 +88,7 @@ impl Hold {
         let Self::Keyboard { keyboard, buttons } = self else { return Ok(Wish::Nothing) };
         let mut wish = Wish::Nothing;
         loop {
-            match keyboard.next(now) {
+            match keyboard.next() {
                 Ok(Some(Key::Quit)) => return Ok(Wish::Quit),
                 Ok(Some(Key::Stop)) => buttons.stop = true,
                 Ok(Some(Key::Reset)) => {
@@ -97,21 +97,59 @@ impl Hold {
                 }
                 Ok(Some(Key::Homed)) => wish = Wish::Homed,
                 Ok(None) => break,
-                Err(cause) => {
-                    let cause = anyhow::Error::new(cause).context("the terminal went away");
-                    return Err(Failure::new(Exit::Safety, cause));
-                }
+                Err(cause) => return Err(went_away(cause)),
             }
         }
         buttons.pressed = keyboard.is_held(now) && !buttons.stop;
         Ok(wish)
     }
 
+    /// Whether whoever holds the keys still could.
+    ///
+    /// # Errors
+    /// The terminal went away.
+    pub(super) fn still_there(&mut self) -> Result<(), Failure> {
+        match self {
+            Self::Keyboard { keyboard, .. } => keyboard.still_there().map_err(went_away),
+            Self::Always { .. } => Ok(()),
+        }
+    }
+
     pub(super) fn buttons(&mut self, now_us: u64) -> Buttons {
         match self {
             Self::Keyboard { buttons, .. } => *buttons,
             Self::Always { unattended, allowed: true } => unattended.buttons(now_us),
-            Self::Always { .. } => Buttons::default(),
+            // the count stays: another one would ask for a reset
+            Self::Always { unattended, .. } => Buttons { pressed: false, ..unattended.buttons(now_us) },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tetrad_core::config::SlaveConfig;
+    use tetrad_core::wire::{ArmReason, ArmState};
+    use tetrad_fixtures::packets;
+
+    #[test]
+    fn a_slave_that_goes_and_comes_back_is_asked_for_no_reset() {
+        let mut hold = Hold::always(true);
+        let mut now_us = 0;
+        let mut hear = |hold: &mut Hold, state, reason| {
+            for _ in 0..60 {
+                now_us += 10_000;
+                hold.hear(&packets::arm_state(state, reason), now_us);
+            }
+            hold.buttons(now_us)
+        };
+        assert_eq!(hear(&mut hold, ArmState::Stopped, ArmReason::Started).resets, 1);
+        assert!(hear(&mut hold, ArmState::Engaged, ArmReason::None).pressed);
+        hold.slave_gone();
+        let gone = hear(&mut hold, ArmState::Engaged, ArmReason::None);
+        assert_eq!(gone, Buttons { pressed: false, stop: false, resets: 1 });
+        let sim = SlaveAnnouncement::new(&"sim:".parse().unwrap(), &SlaveConfig::default(), 0);
+        hold.announced(&sim).unwrap();
+        assert_eq!(hear(&mut hold, ArmState::Stopped, ArmReason::Asked), gone);
     }
 }

@@ -20,10 +20,10 @@ mod talk;
 
 use super::interrupt::Interrupt;
 use super::memory::resident_kb;
-use super::{make_dir, note, say};
+use super::{make_dir, note, say, tell_aside};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Doorbell, Link};
-use crate::output::ArmCsv;
+use crate::output::ArmRecord;
 use crate::robot::clock::Clock;
 use crate::settings::station::{OperatorSettings, SlavePlace, StationSettings};
 use crate::station::Operator;
@@ -107,6 +107,7 @@ pub(super) fn run(args: &OperatorArgs) -> Result<(), Failure> {
         slave::check_hold(&settings.slave, args.hold_to_run)?;
     }
     let interrupt = Interrupt::listen()?;
+    tell_aside()?;
     let clock = Clock::wall();
     let link = match &settings.network {
         Some(network) => {
@@ -121,7 +122,7 @@ pub(super) fn run(args: &OperatorArgs) -> Result<(), Failure> {
     let cameras = Cameras::start(&operator.cameras, link.as_ref(), session, &clock, &bell)?;
     let slave = match &operator.slave {
         SlavePlace::Here => {
-            let arm = args.out.as_deref().map(ArmCsv::create).transpose().or_exit(Exit::Failed)?;
+            let arm = args.out.as_deref().map(ArmRecord::create).transpose().or_exit(Exit::Failed)?;
             SlaveLine::here(&settings.slave, session, &clock, &bell, arm)?
         }
         SlavePlace::Station(name) => SlaveLine::peer(name, link.as_ref())?,

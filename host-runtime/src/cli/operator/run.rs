@@ -7,7 +7,7 @@ use super::pictures::Pictures;
 use super::record::Record;
 use super::report::{self, Memory};
 use super::slave::SlaveLine;
-use super::talk::Talk;
+use super::talk::{SILENT_US, SLAVE, Talk};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::memory::resident_kb;
 use crate::exit::{Exit, Failure};
@@ -92,7 +92,8 @@ impl Run {
         let ended = loop {
             let now_us = self.parts.clock.now_us();
             if interrupt.asked() || end_us.is_some_and(|end_us| now_us >= end_us) {
-                break Ok(());
+                // whoever hangs up asks for the end too
+                break self.parts.hold.still_there();
             }
             match self.turn(now_us) {
                 Ok(Wish::Quit) => break Ok(()),
@@ -187,7 +188,7 @@ impl Run {
             }
         }
         let heard = self.parts.cameras.0.iter().map(|camera| (camera.name.as_str(), camera.heard_us));
-        let links: Vec<_> = heard.chain([("slave", self.slave_heard_us)]).collect();
+        let links: Vec<_> = heard.chain([(SLAVE, self.slave_heard_us)]).collect();
         lines.extend(self.talk.live(&links, self.pictures.ages(now_us), now_us));
         lines.iter().for_each(|line| self.print(line));
         if self.parts.slave.is_over() {
@@ -207,13 +208,20 @@ impl Run {
     /// Whether all is well at the end. A stop that somebody asked for is no failure where somebody holds
     /// the keys; nobody's run is to end in one.
     fn judge(&self) -> Result<(), Failure> {
-        if !self.parts.slave.is_connected() || self.arm.is_none() {
-            let cause = anyhow::anyhow!("the slave is not there at the end of the run");
-            return Err(
-                Failure::new(Exit::DeviceLost, cause).help("look at its own messages, and at its cable")
-            );
+        let not_there = |words: String| {
+            let failure = Failure::new(Exit::DeviceLost, anyhow::anyhow!(words));
+            failure.help("look at its own messages, and at its cable")
+        };
+        let heard = self.arm.as_ref().zip(self.slave_heard_us).filter(|_| self.parts.slave.is_connected());
+        let Some((arm, heard_us)) = heard else {
+            return Err(not_there("the slave is not there at the end of the run".to_owned()));
+        };
+        let silent_us = self.parts.clock.now_us().saturating_sub(heard_us);
+        if silent_us > SILENT_US {
+            let seconds = silent_us as f64 * 1e-6;
+            let words = format!("the slave has said nothing in the last {seconds:.1} s of the run");
+            return Err(not_there(words));
         }
-        let Some(arm) = &self.arm else { return Ok(()) };
         let asked = self.parts.hold.is_keyboard() && arm_words::is_asked(arm);
         if asked || !matches!(arm.state, ArmState::Stopped | ArmState::Fault) {
             return Ok(());

@@ -8,7 +8,7 @@ use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::inbox::Inbox;
 use crate::link::local::{self, LocalEnd};
 use crate::link::{Carrier, Doorbell, Link, Peer, Picture, Received, StationName};
-use crate::output::ArmCsv;
+use crate::output::ArmRecord;
 use crate::robot::clock::Clock;
 use crate::settings::station::SlaveSettings;
 use crate::station::{Cycle, LinkedSlave, Overseen, Overseer, SceneCameras, SlaveAnnouncement};
@@ -67,7 +67,7 @@ impl SlaveLine {
         operator: u32,
         clock: &Clock,
         bell: &Doorbell,
-        record: Option<ArmCsv>,
+        record: Option<ArmRecord>,
     ) -> Result<Self, Failure> {
         let address = settings.arm.port.clone().unwrap_or_default();
         let (config, port) = open_port(&address, &settings.arm)?;

@@ -11,7 +11,10 @@ const LIVE_US: u64 = 1_000_000;
 const FORGOTTEN_US: u64 = 2_000_000;
 
 /// A link that is silent for so long is told of, microseconds.
-const SILENT_US: u64 = 1_000_000;
+pub(super) const SILENT_US: u64 = 1_000_000;
+
+/// What the slave is called in the live line.
+pub(super) const SLAVE: &str = "slave";
 
 /// What was said.
 #[derive(Default)]
@@ -74,7 +77,14 @@ impl Talk {
         self.live_us = now_us;
         let mut parts =
             vec![if self.hand.is_empty() { "hand not seen yet".to_owned() } else { self.hand.clone() }];
-        parts.push(if self.arm.is_empty() { "arm not heard yet".to_owned() } else { self.arm.clone() });
+        let slave = links.iter().rev().find_map(|(name, heard_us)| (*name == SLAVE).then_some(*heard_us));
+        let silent = slave.flatten().is_some_and(|us| now_us.saturating_sub(us) > SILENT_US);
+        parts.push(match (self.arm.is_empty(), silent) {
+            (true, _) => "arm not heard yet".to_owned(),
+            // what it said last is not how it stands
+            (false, true) => "arm: NOBODY KNOWS, its slave is silent".to_owned(),
+            (false, false) => self.arm.clone(),
+        });
         let ages = links.iter().map(|(name, heard_us)| match heard_us.map(|us| now_us.saturating_sub(us)) {
             None => format!("{name} never"),
             Some(us) if us > SILENT_US => format!("{name} SILENT for {:.1} s", us as f64 * 1e-6),
@@ -83,5 +93,22 @@ impl Talk {
         parts.push(format!("heard {}", ages.collect::<Vec<_>>().join(", ")));
         parts.extend(rest);
         Some(parts.join(" | "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tetrad_core::wire::{ArmReason, ArmState};
+    use tetrad_fixtures::packets;
+
+    #[test]
+    fn a_silent_slave_is_not_said_to_stand_as_it_did() {
+        let mut talk = Talk::default();
+        talk.arm(&packets::arm_state(ArmState::Engaged, ArmReason::None), 1_000_000);
+        let live = |talk: &mut Talk, now_us| talk.live(&[(SLAVE, Some(1_000_000))], None, now_us).unwrap();
+        assert!(live(&mut talk, 1_500_000).contains("arm engaged 100 %"));
+        let later = live(&mut talk, 2_500_000);
+        assert!(!later.contains("engaged") && later.contains("slave SILENT for 1.5 s"), "{later}");
     }
 }

@@ -4,8 +4,8 @@ use super::ending;
 use super::talk::Talk;
 use super::{SlaveArgs, address, open_port, record, report};
 use crate::cli::interrupt::Interrupt;
-use crate::cli::keyboard::{Key, Keyboard};
-use crate::cli::{note, say};
+use crate::cli::keyboard::{Key, Keyboard, went_away};
+use crate::cli::{note, say, tell_aside};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Link, Peer, StationName};
 use crate::robot::clock::Clock;
@@ -46,6 +46,7 @@ pub(super) fn run(
     let mut slave = LinkedSlave::new(&config, port, peer, link.session()).or_exit(Exit::BadArguments)?;
 
     let interrupt = Interrupt::listen()?;
+    tell_aside()?;
     // without a terminal the operator's stop and the port's own are left
     let keyboard = std::io::stdin().is_terminal().then(|| Keyboard::open().ok()).flatten();
     let now = Instant::now();
@@ -69,7 +70,11 @@ pub(super) fn run(
     let each = |slave: &mut LinkedSlave<Peer>, cycle: &Cycle, lines| desk.each(slave, cycle, lines);
     let overseen = overseer.serve(&mut slave, cycle_us, interrupt.flag(), each);
     // the terminal is itself again before the results
-    let Desk { terminal_lost, before_end, link, .. } = desk;
+    let Desk { mut terminal_lost, before_end, link, keyboard, .. } = desk;
+    if let Some(mut keyboard) = keyboard {
+        // whoever hangs up asks for the end too
+        terminal_lost = terminal_lost.or(keyboard.still_there().err());
+    }
     report(slave.station(), (0, 0));
     for (label, line) in overseen.lines {
         say(format_args!("{label:<15} {line}"));
@@ -81,10 +86,7 @@ pub(super) fn run(
     drop(link);
     let standing = || ending::standing(&before_end?, slave.station().robot().reason());
     match (terminal_lost, overseen.trouble) {
-        (Some(cause), _) => {
-            let cause = anyhow::Error::new(cause).context("the terminal went away");
-            Err(Failure::new(Exit::Safety, cause))
-        }
+        (Some(cause), _) => Err(went_away(cause)),
         (None, Some(trouble)) => Err(trouble.into()),
         (None, None) => match standing() {
             Some((exit, words)) => Err(Failure::new(exit, anyhow::anyhow!(words))),
@@ -133,7 +135,7 @@ impl Desk {
         for event in self.link.events() {
             self.print(&event.to_string());
         }
-        self.keys(slave, now);
+        self.keys(slave);
         if self.ends.is_some_and(|ends| now >= ends) {
             self.end();
         }
@@ -144,10 +146,10 @@ impl Desk {
     }
 
     /// Whoever is at the arm may stop it; it is the operator who resets it.
-    fn keys(&mut self, slave: &mut LinkedSlave<Peer>, now: Instant) {
+    fn keys(&mut self, slave: &mut LinkedSlave<Peer>) {
         let Some(keyboard) = &mut self.keyboard else { return };
         loop {
-            match keyboard.next(now) {
+            match keyboard.next() {
                 Ok(Some(Key::Quit)) => break self.end(),
                 Ok(Some(Key::Homed)) => slave.confirm_homed(),
                 Ok(Some(Key::Stop | Key::Reset)) => slave.stop(),

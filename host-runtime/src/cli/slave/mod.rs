@@ -18,9 +18,9 @@ pub(super) mod talk;
 
 use super::interrupt::Interrupt;
 use super::keyboard::Keyboard;
-use super::{make_dir, say};
+use super::{make_dir, say, tell_aside};
 use crate::exit::{Exit, Failure, OrExit as _};
-use crate::output::ArmCsv;
+use crate::output::ArmRecord;
 use crate::robot::{self, Robot, RobotAddress, RobotError, RobotKind};
 use crate::settings::arm::ArmSettings;
 use crate::settings::station::StationSettings;
@@ -142,6 +142,7 @@ fn piped(args: &SlaveArgs, settings: &ArmSettings, seconds: Option<Duration>) ->
         HoldToRun::Sender => None,
     };
     let interrupt = Interrupt::listen()?;
+    tell_aside()?;
     let cycle = Duration::from_micros(u64::from(config.governor.cycle_us));
     let mut run = Run::new(station, packets, record, keyboard, cycle);
     run.print(&format!("arm at {address}; {}", run.usage()));
@@ -178,10 +179,10 @@ pub(super) fn open_port(
     Ok((config, port))
 }
 
-fn record(args: &SlaveArgs) -> Result<Option<ArmCsv>, Failure> {
+fn record(args: &SlaveArgs) -> Result<Option<ArmRecord>, Failure> {
     let Some(dir) = &args.out else { return Ok(None) };
     make_dir(dir)?;
-    Ok(Some(ArmCsv::create(dir).or_exit(Exit::Failed)?))
+    Ok(Some(ArmRecord::create(dir).or_exit(Exit::Failed)?))
 }
 
 /// The longest run that can be asked for: a day.

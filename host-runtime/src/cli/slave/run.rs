@@ -7,10 +7,10 @@ use super::ending;
 use super::packets::{Next, Packets};
 use super::talk::Talk;
 use crate::cli::interrupt::Interrupt;
-use crate::cli::keyboard::{Key, Keyboard};
+use crate::cli::keyboard::{Key, Keyboard, went_away};
 use crate::cli::note;
 use crate::exit::{Exit, Failure};
-use crate::output::ArmCsv;
+use crate::output::ArmRecord;
 use crate::station::{Cycle, EnableThenReset, Reset, Resetting, SlaveStation};
 use std::time::{Duration, Instant};
 
@@ -35,7 +35,7 @@ pub(super) struct Run {
     station: SlaveStation,
     packets: Packets,
     talk: Talk,
-    record: Option<ArmCsv>,
+    record: Option<ArmRecord>,
     keyboard: Option<Keyboard>,
     began: Instant,
     cycle: Duration,
@@ -63,7 +63,7 @@ impl Run {
     pub(super) fn new(
         station: SlaveStation,
         packets: Packets,
-        record: Option<ArmCsv>,
+        record: Option<ArmRecord>,
         keyboard: Option<Keyboard>,
         cycle: Duration,
     ) -> Self {
@@ -111,13 +111,16 @@ impl Run {
             let now = Instant::now();
             let over = end.is_some_and(|end| now >= end) || interrupt.asked();
             if over || self.keys(now)? || self.is_done() {
-                return self.shut_down();
+                self.shut_down()?;
+                // whoever hangs up asks for the end too
+                let still_there = self.keyboard.as_mut().map_or(Ok(()), Keyboard::still_there);
+                return still_there.map_err(went_away);
             }
             self.arrivals()?;
             self.try_reset(now);
             let cycle = self.station.cycle(self.micros(Instant::now()));
             self.tell(&cycle, Instant::now());
-            self.write(&cycle)?;
+            self.write(&cycle);
             self.last = Some(cycle);
             if self.keyboard.is_none() && self.note_worst(&cycle) {
                 return self.shut_down();
@@ -143,7 +146,7 @@ impl Run {
             return Ok(false);
         };
         loop {
-            match keyboard.next(now) {
+            match keyboard.next() {
                 Ok(Some(Key::Quit)) => return Ok(true),
                 Ok(Some(Key::Stop)) => {
                     self.station.stop();
@@ -154,8 +157,7 @@ impl Run {
                 Ok(None) => break,
                 Err(cause) => {
                     self.shut_down()?;
-                    let cause = anyhow::Error::new(cause).context("the terminal went away");
-                    return Err(Failure::new(Exit::Safety, cause));
+                    return Err(went_away(cause));
                 }
             }
         }
@@ -252,7 +254,7 @@ impl Run {
         let mut due = began;
         while began.elapsed() < REST {
             let cycle = self.station.cycle(self.micros(Instant::now()));
-            self.write(&cycle)?;
+            self.write(&cycle);
             self.judge(&cycle);
             if cycle.step.governed.is_none_or(|governed| governed.at_rest) {
                 break;
@@ -267,6 +269,9 @@ impl Run {
             self.print(&words);
             self.worst.get_or_insert((exit, words));
         }
+        if let Some(line) = self.record.as_mut().and_then(ArmRecord::end) {
+            self.print(&line);
+        }
         Ok(())
     }
 
@@ -276,15 +281,14 @@ impl Run {
         }
     }
 
-    fn write(&mut self, cycle: &Cycle) -> Result<(), Failure> {
+    fn write(&mut self, cycle: &Cycle) {
         let t_s = self.began.elapsed().as_secs_f64();
-        let Some(record) = &mut self.record else { return Ok(()) };
+        let Some(record) = &mut self.record else { return };
         if let Err(error) = record.write(t_s, cycle) {
             // an arm that moves unrecorded is better than one that stops by surprise
             self.record = None;
             self.print(&format!("{:#}; the run goes on without", anyhow::Error::new(error)));
         }
-        Ok(())
     }
 
     /// A line for the operator; in raw mode a terminal does not go back to its margin by itself.

@@ -397,3 +397,62 @@ fn the_motions_that_the_arm_has_reached_are_told() {
     rig.run_ms(3_000);
     assert!(rig.told().settled.unwrap().sequence > newest);
 }
+
+/// Somebody at the arm stops it; a reset that was asked for before the operator can know of it does nothing.
+#[test]
+fn a_reset_from_before_a_stop_at_the_arm_does_not_undo_it() {
+    let stopped = |rig: &Rig| {
+        assert_eq!(rig.state(), State::Stopped, "{:?}", rig.last.unwrap().step.decision.status);
+    };
+    // on its way when the arm is stopped
+    let rig = Rig::new(10_000, [Faults { delay_us: 300_000, ..NONE }, NONE]);
+    rig.operator.share_clock();
+    rig.slave.carrier.share_clock();
+    let mut rig = rig.following();
+    rig.buttons.pressed = false;
+    rig.buttons.resets += 1;
+    rig.run_ms(100);
+    rig.slave.stop();
+    rig.run_ms(2_000);
+    stopped(&rig);
+    assert_eq!(rig.slave.take_refusal(), Some(NoReset::Outdated));
+    rig.buttons.resets += 1;
+    rig.run_ms(1_000);
+    assert_eq!(rig.state(), State::Armed, "one that answers the stop ends it");
+
+    // while the cable is cut, however long before the stop
+    for stop_after_ms in [100, 1_500] {
+        let mut rig = Rig::new(10_000, [NONE; 2]).following();
+        rig.buttons.pressed = false;
+        rig.run_ms(50);
+        let now_us = rig.clock.now_us();
+        rig.operator.set_faults(Faults { cut: Some((now_us, now_us + 2_000_000)), ..NONE });
+        rig.run_ms(50);
+        rig.buttons.resets += 1;
+        rig.run_ms(stop_after_ms);
+        rig.slave.stop();
+        rig.run_ms(4_000);
+        stopped(&rig);
+        assert_eq!(rig.slave.take_refusal(), Some(NoReset::Outdated), "{stop_after_ms}");
+        rig.buttons.resets += 1;
+        rig.run_ms(500);
+        assert_eq!(rig.state(), State::Armed);
+    }
+}
+
+/// A burst of losses in which somebody stops the arm, shorter than any silence that is noticed.
+#[test]
+fn the_first_buttons_after_a_stop_at_the_arm_tell_only_what_was_asked_before() {
+    let mut rig = Rig::new(10_000, [NONE; 2]).following();
+    rig.buttons.pressed = false;
+    rig.run_ms(50);
+    rig.sends = (false, false);
+    rig.buttons.resets += 1;
+    rig.run_ms(40);
+    rig.slave.stop();
+    rig.run_ms(40);
+    rig.sends = (true, true);
+    rig.run_ms(1_000);
+    assert_eq!(rig.state(), State::Stopped);
+    assert_eq!(rig.slave.take_refusal(), Some(NoReset::Outdated));
+}
