@@ -32,6 +32,9 @@ const NEARER_RAD: f64 = 0.02;
 /// For so long the tool is at a face and comes no nearer before a way round is looked for, seconds.
 const PATIENCE_S: f64 = 0.3;
 
+/// So many ways round are looked for.
+const MOST_TRIED: u8 = 60;
+
 /// After so long another way round is looked for, seconds.
 const LONGEST_S: f64 = 4.0;
 
@@ -77,8 +80,21 @@ impl<T: Real> Detour<T> {
         if self.waited < T::of(PATIENCE_S) && self.age < T::of(LONGEST_S) {
             return false;
         }
-        *self = Self { tried: self.tried.wrapping_add(1), ..Self::none() };
+        *self = Self { tried: self.tried.saturating_add(1), ..Self::none() };
         true
+    }
+
+    /// The tool has come to rest on this way: another one is due. Whether there is any left.
+    pub(super) fn hurry(&mut self) -> bool {
+        self.waited = T::of(PATIENCE_S);
+        self.tried < MOST_TRIED
+    }
+
+    /// The goal is another one.
+    pub(super) fn try_again(&mut self) {
+        if self.tried >= MOST_TRIED {
+            self.tried = 0;
+        }
     }
 
     /// How often each of [`Self::turned`] has been tried before.

@@ -23,12 +23,8 @@ const NEAREST_SLACKS: f64 = 10.0;
 const STALLED_SHARE: f64 = 0.02;
 const STALLED_CYCLES: u16 = 100;
 
-/// How long the arm is kept from a goal before it goes back to the posture in which it was started,
-/// microseconds: time enough to read what is told and to move back oneself.
-const TURN_BACK_US: u64 = 1_000_000;
-
-/// How far from where it was started a joint may be to which the arm goes back by itself, radians.
-const AS_STARTED_RAD: f64 = 1.5;
+/// How far from where it was started a joint may be to which the arm goes back, radians.
+const AS_STARTED_RAD: f64 = 0.5;
 
 impl<T: Real> Governor<T> {
     /// One cycle towards a goal within reach; how fast the tool is asked to be.
@@ -47,9 +43,16 @@ impl<T: Real> Governor<T> {
             self.barred = false;
             return T::one();
         }
+        if self.rest.regard(goal) {
+            self.detour.try_again();
+        }
         let joints = self.set_point();
         let jacobian = self.ways.arm.jacobian(&joints);
         let way = self.way(goal, &jacobian, limits);
+        if self.rest.is_kept(&way) {
+            self.brake();
+            return T::zero();
+        }
         let arrived = match way.kind {
             Kind::AsNearAsItGoes => T::SLACK * T::of(NEAREST_SLACKS),
             Kind::Straight | Kind::ByJoints => T::EPSILON * T::of(ARRIVED_ROUNDINGS),
@@ -58,7 +61,6 @@ impl<T: Real> Governor<T> {
         if ends_here && way.left.iter().all(|left| left.abs() <= arrived) {
             self.stop();
             self.watch(&way, T::one());
-            self.turn_back(goal);
             return T::one();
         }
         let mut bound_for = joints;
@@ -78,13 +80,33 @@ impl<T: Real> Governor<T> {
         };
         let paced = self.pace.along(&way, &stance, uncertainty, limits);
         self.watch(&way, paced.share);
-        self.turn_back(goal);
         let is_free = self.turn_to(&paced.speeds);
         if !is_free {
             limits.add(Limit::WorkspaceEdge);
         }
+        self.come_to_rest(goal, &way, &jacobian);
         self.go_round(goal, &way, paced.at_face || !is_free);
         paced.share
+    }
+
+    /// What is done where the arm has come to rest short of its goal: the next way to it, if there is
+    /// one. Else it stays there.
+    fn come_to_rest(&mut self, goal: &Pose<T>, way: &Way<T>, jacobian: &Jacobian<T>) {
+        let cycle = T::of(f64::from(self.config.cycle_us) * 1e-6);
+        let speeds = self.axes.map(|axis| axis.speed);
+        if !self.rest.has_come(way, jacobian, &speeds, cycle) {
+            return;
+        }
+        let goes_on = match way.kind {
+            Kind::ByJoints => self.detour.hurry(),
+            Kind::Straight | Kind::AsNearAsItGoes => {
+                self.by_joints = self.ways.solution(goal, &self.recent, self.posture, false).is_some();
+                self.by_joints || self.turn_back(goal)
+            }
+        };
+        if !goes_on {
+            self.rest.keep();
+        }
     }
 
     fn way(&self, goal: &Pose<T>, jacobian: &Jacobian<T>, limits: &mut Limits) -> Way<T> {
@@ -136,37 +158,32 @@ impl<T: Real> Governor<T> {
         self.detour.via = target.and_then(|target| around.via(&self.set_point(), &target));
     }
 
-    /// Where the arm has been kept from the goal for a while, though standing as it was started it could go
-    /// there: back to that, by the joints. Without it, who went out through a singularity and back beside
-    /// it would not come home; nor who turned the tool round by about a turn, against the end of a joint.
+    /// Where the hand has come back to about where the arm was started, and only in the posture of then can
+    /// the arm go there: back to that, by the joints. Without it, who went out through a singularity and
+    /// back beside it would not come home; nor who turned the tool round by about a turn, against the end
+    /// of a joint.
     ///
-    /// A joint is wound back only to about where it was at the start: whoever rests against its end is not
-    /// turned round.
-    fn turn_back(&mut self, goal: &Pose<T>) {
-        self.barred_cycles = if self.barred { self.barred_cycles.saturating_add(1) } else { 0 };
-        let waited_us = u64::from(self.barred_cycles) * u64::from(self.config.cycle_us);
-        if waited_us < TURN_BACK_US || self.by_joints {
-            return;
-        }
-        let solution = |posture, winds_back| self.ways.solution(goal, &self.recent, posture, winds_back);
-        if solution(self.posture, false).is_some() {
-            return;
-        }
-        let passed = self.posture != self.first_posture;
-        if passed && solution(self.first_posture, false).is_some() {
+    /// Nothing else changes a posture that way, whoever rests against the end of a joint is not turned
+    /// round; nor does time: an arm that has come to rest stays as it is until the hand moves.
+    fn turn_back(&mut self, goal: &Pose<T>) -> bool {
+        let solution = |winds_back| self.ways.solution(goal, &self.recent, self.first_posture, winds_back);
+        let unwound = solution(false).is_some_and(|joints| self.is_as_started(&joints, true));
+        let wound = solution(true).is_some_and(|joints| self.is_as_started(&joints, false));
+        if unwound || wound {
             self.posture = self.first_posture;
             self.by_joints = true;
-        } else if solution(self.first_posture, true).is_some_and(|joints| self.is_as_started(&joints)) {
-            self.posture = self.first_posture;
-            self.by_joints = true;
-            self.winds_back = true;
+            self.winds_back = !unwound;
         }
+        unwound || wound
     }
 
-    /// Whether no joint is far from where it was at the start.
-    fn is_as_started(&self, joints: &Joints<T>) -> bool {
+    /// Whether no joint is far from where it was at the start, or, if that does as well, a turn from there.
+    fn is_as_started(&self, joints: &Joints<T>, or_a_turn: bool) -> bool {
         let most = T::of(AS_STARTED_RAD);
-        joints.iter().zip(&self.first_joints).all(|(angle, first)| (*angle - *first).abs() <= most)
+        joints.iter().zip(&self.first_joints).all(|(angle, first)| {
+            let off = (*angle - *first).abs();
+            off <= most || or_a_turn && (off - T::of(core::f64::consts::TAU)).abs() <= most
+        })
     }
 }
 

@@ -8,6 +8,7 @@
 //! | which way the joints go | `way` |
 //! | as near as it goes: damped least squares | `least_squares` |
 //! | a way round where the workspace bars that of the joints | `detour` |
+//! | when it stays where it is | `rest` |
 //! | how fast along it | `pace` |
 //! | one joint: speed, acceleration, jerk, range | `axis` |
 //! | the tool: workspace | `fence` |
@@ -26,6 +27,9 @@
 //!   narrow workspace by themselves; by way of another goal they came home, too. (Until it was so, 12
 //!   of them did not: a joint had been wound up by about a turn.) A jump home along the faces may take
 //!   15 s, 3 of 4,000 took more than 10.
+//! - **At rest.** Short of a goal that cannot be reached the arm comes to rest, and stays there until the
+//!   goal moves by more than 2 mm or 0.02 rad (`rest`): no other direction, way or posture is taken
+//!   because time went by.
 //! - **In the workspace.** No set-point takes the tool out of it by more than 5 mm, nor one that was
 //!   outside at the start farther out (`fence`).
 //! - **Steered, not proved.** The speed of the tool: on straight ways at most a tenth over its bound, and
@@ -53,6 +57,8 @@ mod detour;
 
 mod pace;
 
+mod rest;
+
 mod follow;
 
 mod motion;
@@ -70,6 +76,7 @@ use detour::Detour;
 use fence::Fence;
 use goal::Bounded;
 use pace::Pace;
+use rest::Rest;
 use way::Ways;
 
 #[cfg(test)]
@@ -104,11 +111,10 @@ pub struct Governor<T> {
     /// On that way a joint is wound back by about a turn.
     winds_back: bool,
     detour: Detour<T>,
+    rest: Rest<T>,
     /// The goal was not to be reached, and the arm is not at one yet: off the way that it was asked
     /// to go, where a passage might lead to where there is no way back from.
     barred: bool,
-    /// Cycles for which it has been so.
-    barred_cycles: u32,
     stalled: u16,
 }
 
@@ -158,8 +164,8 @@ impl<T: Real> Governor<T> {
             by_joints: false,
             winds_back: false,
             detour: Detour::none(),
+            rest: Rest::new(config),
             barred: false,
-            barred_cycles: 0,
             stalled: 0,
         })
     }
@@ -215,8 +221,8 @@ impl<T: Real> Governor<T> {
         self.by_joints = false;
         self.winds_back = false;
         self.detour = Detour::none();
+        self.rest.end();
         self.barred = false;
-        self.barred_cycles = 0;
         self.stalled = 0;
         Ok(())
     }
@@ -230,6 +236,7 @@ impl<T: Real> Governor<T> {
         let (verdict, speed_share) = match order {
             Order::Stop => {
                 self.stop();
+                self.rest.end();
                 (Verdict::Pass, T::zero())
             }
             Order::Follow(goal) => match self.edges.admit(goal, &mut limits) {

@@ -17,13 +17,18 @@ const HALVINGS: u32 = 4;
 impl<T: Real> Governor<T> {
     /// One cycle of a stop.
     pub(super) fn stop(&mut self) {
-        for (axis, bounds) in self.axes.iter_mut().zip(&self.bounds) {
-            *axis = axis.stopped(bounds);
-        }
+        self.brake();
         self.by_joints = false;
         self.winds_back = false;
         self.detour = Detour::none();
         self.stalled = 0;
+    }
+
+    /// The same, and what was to be done next stays as it is.
+    pub(super) fn brake(&mut self) {
+        for (axis, bounds) in self.axes.iter_mut().zip(&self.bounds) {
+            *axis = axis.stopped(bounds);
+        }
     }
 
     /// One cycle from the speeds that are towards those that are asked. One factor for the

@@ -207,8 +207,7 @@ fn a_tool_turned_by_about_a_turn_comes_home_and_says_so() {
         other_way += u64::from(governed.limits.contains(Limit::AnotherWay));
         governed.at_rest && arm.off(&home).1 < 1e-9
     });
-    // it waits for a second before
-    assert!(cycles.is_some_and(|cycles| cycles > 100) && other_way > 50, "{cycles:?}, {other_way}");
+    assert!(cycles.is_some() && other_way > 50, "{cycles:?}, {other_way}");
     assert!((arm.governor.set_point()[5] + 1.3).abs() < 1e-6);
 }
 

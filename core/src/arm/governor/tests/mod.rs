@@ -12,6 +12,8 @@ mod following;
 
 mod orders;
 
+mod rest;
+
 mod workspace;
 
 /// How much faster than it may be the tool gets at most while goals jump and stops come in
