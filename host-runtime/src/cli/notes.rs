@@ -8,8 +8,8 @@ use anyhow::Context as _;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::time::Duration;
 
 /// So many lines wait for whoever reads.
@@ -24,6 +24,8 @@ static ASIDE: OnceLock<Aside> = OnceLock::new();
 struct Aside {
     lines: SyncSender<Line>,
     lost: AtomicU64,
+    /// The reader was waited for once and did not read.
+    stalled: AtomicBool,
 }
 
 enum Line {
@@ -35,7 +37,7 @@ enum Line {
 /// From now on nobody waits for standard error; once a process.
 pub(super) fn tell_aside() -> Result<(), Failure> {
     let (lines, told) = sync_channel(WAITING);
-    if ASIDE.set(Aside { lines, lost: AtomicU64::new(0) }).is_ok()
+    if ASIDE.set(Aside { lines, lost: AtomicU64::new(0), stalled: AtomicBool::new(false) }).is_ok()
         && let Some(aside) = ASIDE.get()
     {
         let tell = move || write_all(&told, &aside.lost, &mut io::stderr());
@@ -59,8 +61,9 @@ pub(super) fn note(text: impl Display) {
 pub(super) fn flush() {
     let Some(aside) = ASIDE.get() else { return };
     let (done, written) = sync_channel(1);
-    if aside.lines.try_send(Line::Flush(done)).is_ok() {
-        let _ = written.recv_timeout(FLUSH);
+    if !aside.stalled.load(Ordering::Relaxed) && aside.lines.try_send(Line::Flush(done)).is_ok() {
+        let stalled = written.recv_timeout(FLUSH) == Err(RecvTimeoutError::Timeout);
+        aside.stalled.store(stalled, Ordering::Relaxed);
     }
 }
 
@@ -119,14 +122,14 @@ mod tests {
     #[test]
     fn nobody_waits_for_a_reader_and_what_it_missed_is_told() {
         let (lines, told) = sync_channel(WAITING);
-        let aside = Aside { lines, lost: AtomicU64::new(0) };
+        let aside = Aside { lines, lost: AtomicU64::new(0), stalled: AtomicBool::new(false) };
         let (go_on, let_go) = mpsc::channel();
         let mut reader = Stalled { let_go, is_free: false, came: Vec::new() };
         for number in 0..2 * WAITING {
             put(&aside, format!("line {number}\r"));
         }
         go_on.send(()).unwrap();
-        let Aside { lines, lost } = aside;
+        let Aside { lines, lost, .. } = aside;
         drop(lines);
         write_all(&told, &lost, &mut reader);
         let text = String::from_utf8(reader.came).unwrap();
