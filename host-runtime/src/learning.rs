@@ -4,13 +4,16 @@ use crate::colours::BallColours;
 use crate::pipeline::CameraStart;
 use crate::scene_file::Seeds;
 use std::fmt;
-use tetrad_core::config::LearnConfig;
+use tetrad_core::config::{LearnConfig, TrackerConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::{BALLS, Ball};
 use tetrad_core::vision::appearance::LearntBall;
+use tetrad_core::vision::centre::Blob;
 use tetrad_core::vision::colour::Primary;
 use tetrad_core::vision::frame::FrameView;
 use tetrad_core::vision::learn::{LearnError, Learnt, learn};
+use tetrad_core::vision::rim::aspect_of_pixels;
+use tetrad_core::vision::tracker::CameraTracker;
 
 /// Up to four balls taught in one camera, ordered as [`Ball::ALL`].
 pub type Taught = [Option<Learnt>; BALLS];
@@ -44,10 +47,11 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-/// Learns every ball that has a seed.
+/// Learns every ball that has a seed, and makes sure that the tracker finds them all again with what was
+/// learnt: in this one picture, so that it costs the frames that follow nothing.
 ///
 /// # Errors
-/// [`Refused`] with every ball that taught nothing.
+/// [`Refused`] with every ball that taught nothing, or nothing it could be found with.
 pub fn learn_at(frame: &FrameView<'_>, seeds: &Seeds, config: &LearnConfig) -> Result<Taught, Refused> {
     let mut taught = [None; BALLS];
     let mut refused = Vec::new();
@@ -58,7 +62,30 @@ pub fn learn_at(frame: &FrameView<'_>, seeds: &Seeds, config: &LearnConfig) -> R
             Err(error) => refused.push((ball, at, error)),
         }
     }
+    if refused.is_empty() {
+        refused = lost_again(frame, &taught);
+    }
     if refused.is_empty() { Ok(taught) } else { Err(Refused(refused)) }
+}
+
+/// The balls that the tracker does not find in the very picture they were learnt from.
+fn lost_again(frame: &FrameView<'_>, taught: &Taught) -> Vec<(Ball, ImagePoint, LearnError)> {
+    // each ball for itself: that they do not stand like one rigid frame is not a matter of colours
+    let config = TrackerConfig { rigid: false, ..TrackerConfig::paper() };
+    let start = start_with(taught);
+    // a ball that cannot be tracked at all is refused by name where its tracker is made
+    let Ok(mut tracker) = CameraTracker::new(config, start.balls) else { return Vec::new() };
+    let mut places = Vec::new();
+    for (ball, place) in Ball::ALL.into_iter().zip(start.places) {
+        if let Some(place) = place {
+            tracker.place(ball, place);
+            places.push((ball, place));
+        }
+    }
+    let report = tracker.step(frame, 0, &[None; BALLS]);
+    let is_lost = |ball: Ball| !report.observations[ball.index()].state.is_measured();
+    places.retain(|(ball, _)| is_lost(*ball));
+    places.into_iter().map(|(ball, place)| (ball, place, LearnError::NotFoundAgain)).collect()
 }
 
 /// What the tracker takes of what was learnt: the size as eq. 1 shows it where it shows the ball, else
@@ -66,11 +93,33 @@ pub fn learn_at(frame: &FrameView<'_>, seeds: &Seeds, config: &LearnConfig) -> R
 #[must_use]
 pub fn tracked_as(learnt: &Learnt) -> LearntBall {
     let (diameter, aspect) = match &learnt.blob {
-        Ok(blob) if !blob.cut => (blob.diameter, blob.height / blob.diameter),
+        Ok(blob) if !blob.cut => as_seen(learnt, blob),
         _ => (learnt.diameter, 1.0),
     };
     LearntBall { reference: learnt.reference, diameter, aspect }
 }
+
+/// Width, and height / width, as eq. 1 shows the ball. Where it shows the lit side alone, whose middle is
+/// off the outline's, it is the light that makes the height differ so much from the width: no more of it
+/// is told than may be taken for the light's doing, or the tracker would think that pixels are not square.
+fn as_seen(learnt: &Learnt, blob: &Blob) -> (f32, f32) {
+    let aspect = blob.height / blob.diameter;
+    let off = learnt.centre.distance(blob.centre);
+    let stretched = aspect_of_pixels(aspect, blob.diameter) != 1.0;
+    if !stretched || off <= LIT_SIDE_OFF * learnt.diameter {
+        (blob.diameter, aspect)
+    } else if aspect > 1.0 {
+        (blob.height / LIT_SIDE_ASPECT, LIT_SIDE_ASPECT)
+    } else {
+        (blob.diameter, 1.0 / LIT_SIDE_ASPECT)
+    }
+}
+
+/// How far off the outline's the middle of the lit side is at least, in diameters.
+const LIT_SIDE_OFF: f32 = 0.05;
+
+/// The largest height / width (or its inverse) that the rim's search takes for that of square pixels.
+const LIT_SIDE_ASPECT: f32 = 1.19;
 
 /// A camera that starts on the very frame its balls were learnt from.
 #[must_use]
@@ -97,5 +146,37 @@ pub fn clash_in_words(permille: u16) -> &'static str {
         10..=49 => "some of the rest of the picture looks like it",
         50..=149 => "much of the rest of the picture looks like it: a plainer background is safer",
         _ => "most of what is around has its colour: change the background, the light or the ball",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tetrad_core::vision::frame::{PixelFormat, Rgb};
+    use tetrad_fixtures::{Light, Scene};
+
+    /// A lamp overhead lets the camera see the shadow side of every ball: there a typical pixel from the
+    /// small bright part makes yellow look like red.
+    #[test]
+    fn a_ball_that_would_be_taken_for_another_is_refused() {
+        let mut scene = Scene::named("static-32px").unwrap();
+        scene.light = Light::side(0.45);
+        scene.light.towards = [0.1, 0.1, 1.0].into();
+        let mut rgb = Vec::new();
+        scene.render_rgb(0, 1, &mut rgb);
+        let frame = FrameView::packed(&rgb, scene.width, scene.height, PixelFormat::Rgb888).unwrap();
+        let at = scene.truth(0, 1).map(|ball| {
+            let (u, v) = ball.outline_centre;
+            Some(ImagePoint::new(u as f32, v as f32))
+        });
+        let mut taught = learn_at(&frame, &at, &LearnConfig::default()).unwrap();
+        let [Some(red), .., Some(yellow)] = &mut taught else { panic!("all four are taught") };
+        red.reference.typical = Rgb::new(188, 29, 36);
+        yellow.reference.typical = Rgb::new(221, 193, 44);
+        let lost = lost_again(&frame, &taught);
+        assert!(matches!(lost[..], [(Ball::Yellow, _, LearnError::NotFoundAgain)]), "{lost:?}");
+        // alone it is taken for no other
+        taught[Ball::Red.index()] = None;
+        assert_eq!(lost_again(&frame, &taught), []);
     }
 }

@@ -7,7 +7,7 @@
 
 use super::disc::Disc;
 use super::probe::Probe;
-use crate::vision::colour::{FULL_SCALE, Primary, Reference, matching};
+use crate::vision::colour::{FULL_SCALE, Primary, Reference, distance_squared, matching};
 use crate::vision::frame::Rgb;
 
 /// Cells along one component; 8^3 counts of 16 bits are one kibibyte, small enough for the stack of a
@@ -193,6 +193,32 @@ impl Populations {
         (bound(level) + bound(level + 1)) / 2
     }
 
+    /// The pixel that stands for the ball, with its place: one whose M is the median. Below its peak
+    /// at the reference, M comes twice along the shades of a colour, on the bright side and on the dark
+    /// one; a pixel far from the reference is a bad picture of the ball, whatever its M, and the tracker
+    /// may take the whole ball for one of another colour. Then it is the one nearest to the reference of
+    /// those that have the median's M.
+    fn typical(&self, probe: &mut Probe<'_, '_>) -> Option<((i32, i32), Rgb)> {
+        let median = self.median();
+        let first = self.nearest(probe, Side::Ball, median)?;
+        let length = distance_squared(self.reference, Rgb::new(0, 0, 0));
+        let most = length * TYPICAL_SHARE_256 / 256 * TYPICAL_SHARE_256 / 256;
+        if distance_squared(first.1, self.reference) <= most {
+            return Some(first);
+        }
+        let mut best = first;
+        visit(probe, self.disc, |side, at, p| {
+            let off = (matching(self.primary, p, self.reference) - median).abs();
+            if side == Side::Ball
+                && off <= bound(1) - bound(0)
+                && distance_squared(p, self.reference) < distance_squared(best.1, self.reference)
+            {
+                best = (at, p);
+            }
+        });
+        Some(best)
+    }
+
     /// The typical pixel of the ball, with its place, and the pixel of the ring that puts the
     /// threshold of eq. 1 where it separates best; `None` only when the picture has changed.
     pub(super) fn settle(
@@ -201,7 +227,7 @@ impl Populations {
         weight: f32,
         alpha_256: u16,
     ) -> Option<(Reference, (i32, i32))> {
-        let (at, typical) = self.nearest(probe, Side::Ball, self.median())?;
+        let (at, typical) = self.typical(probe)?;
         let of_typical = matching(self.primary, typical, self.reference);
         // Eq. 1 is T = B + a (Y - B); solved for M(p_bkg): B = (T - a Y) / (1 - a).
         let threshold = self.threshold(weight);
@@ -230,6 +256,10 @@ impl Populations {
         best
     }
 }
+
+/// How far a typical pixel may be from the reference, as a share (1/256) of the reference's distance from
+/// black: two fifths brighter or darker. Red, green and yellow paint are half of it apart in any shade.
+const TYPICAL_SHARE_256: i32 = 102;
 
 /// Thresholds that separate as well as the best, within this share.
 const PLATEAU: f32 = 0.01;

@@ -76,6 +76,9 @@ pub enum LearnError {
     Saturated,
     /// The ball's colour is not told from its neighbourhood.
     NoContrast,
+    /// With the colours that all balls taught the tracker does not find this one in the picture they
+    /// were learnt from. For who teaches several balls: [`learn`] knows of one.
+    NotFoundAgain,
 }
 
 impl fmt::Display for LearnError {
@@ -87,6 +90,9 @@ impl fmt::Display for LearnError {
             Self::TooLarge => "the ball is too large or fills the picture; move it away from the camera",
             Self::Saturated => "the picture is blown out or black at the point; change exposure or light",
             Self::NoContrast => "the ball looks like what is around it; change the background or the light",
+            Self::NotFoundAgain => {
+                "the ball looks like another one, and would not be found; change the light or the ball"
+            }
         })
     }
 }
