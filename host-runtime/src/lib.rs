@@ -24,6 +24,8 @@
 //!
 //! [`link`] joins the stations: packets, pictures and clocks over QUIC, between named stations only.
 //!
+//! Files of text are read by `text_file`, which no name of a pipe can hold up.
+//!
 //! [`settings`] turns flags and files into checked settings, [`cli`] runs a command with them, and
 //! [`exit`] carries what went wrong to `main`, which alone prints errors and ends the process.
 
@@ -46,3 +48,4 @@ pub mod settings;
 pub mod source;
 pub mod station;
 pub mod streams;
+mod text_file;

@@ -6,9 +6,9 @@ use crate::colours::Colours;
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::pipeline::PipelineConfig;
 use crate::scene_file::{SceneFile, Seeds};
+use crate::text_file;
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
-use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use tetrad_core::config::{FilterConfig, MAX_ARM_M, MIN_ARM_M};
@@ -293,7 +293,7 @@ fn metres(millimetres: f32) -> f32 {
 }
 
 fn read(file: &Path) -> Result<String, Failure> {
-    fs::read_to_string(file)
+    text_file::read(file)
         .with_context(|| format!("cannot read {}", file.display()))
         .or_exit(Exit::BadArguments)
 }

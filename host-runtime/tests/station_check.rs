@@ -5,6 +5,7 @@ mod common;
 
 use common::{Ran, tetrad};
 use std::fs;
+use std::io::{Read as _, Seek as _};
 use std::net::UdpSocket;
 use std::path::Path;
 
@@ -47,7 +48,7 @@ fn an_address_that_cannot_be_listened_on_ends_every_station_alike() {
         for (command, tables, flags) in STATIONS {
             station(dir.path(), address, tables);
             let ran = tetrad(dir.path(), &format!("{command} --config tetrad.toml {flags}"));
-            let words = ["[station] listen", address, "a port that is free", cause];
+            let words = ["tetrad.toml: [station] listen", address, "a port that is free", cause];
             ran.refused(3, &words);
         }
     }
@@ -61,7 +62,9 @@ fn a_missing_certificate_is_named_with_the_command_that_makes_it() {
         for ran in [check(dir.path()), tetrad(dir.path(), &format!("{command} --config tetrad.toml {flags}"))]
         {
             assert_eq!(ran.code, Some(2), "{ran:#?}");
-            for word in ["error: [station] keys", "keys/one.pem", "`tetrad keys --out keys station one`"] {
+            for word in
+                ["error: tetrad.toml: [station] keys", "keys/one.pem", "`tetrad keys --out keys station one`"]
+            {
                 assert!(ran.stderr.contains(word), "no {word:?} in {ran:#?}");
             }
         }
@@ -86,6 +89,11 @@ fn what_check_can_know_it_says() {
         (OPERATOR.replace("sim:still", "node:left"), "[[operator.camera]] 1 source", "name = \"left\""),
         (SLAVE.replace("\"sim:\"", "\"puma:\""), "[slave] port", "canopen:can0"),
         (SLAVE.replace("boss", "bos"), "[slave] operator", "[[peer]]"),
+        (
+            OPERATOR.replace("sim:still", "node:serial:/dev/ttyX?baud=0"),
+            "[[operator.camera]] 1 source",
+            "a number from 300 to 12000000 bits a second",
+        ),
     ] {
         checked(&tables).refused(2, &["tetrad.toml", key, mend]);
     }
@@ -99,5 +107,63 @@ fn what_check_can_know_it_says() {
     ] {
         assert!(ran.stdout.contains(words), "no {words:?} in {ran:#?}");
     }
+    // on a station the authority's key has nothing to do, and its own is nobody else's to read
+    let told = checked(CAMERA).done().stdout;
+    assert!(told.contains("note            [station] keys: keys/authority.key is here"), "{told}");
+    fs::remove_file(dir.path().join("keys/authority.key")).unwrap();
     assert!(!checked(CAMERA).done().stdout.contains("note "));
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        let key = dir.path().join("keys/one.key");
+        fs::set_permissions(&key, fs::Permissions::from_mode(0o644)).unwrap();
+        let told = checked(CAMERA).done().stdout;
+        assert!(told.contains("everybody on this computer may read keys/one.key"), "{told}");
+        fs::set_permissions(&key, fs::Permissions::from_mode(0o640)).unwrap();
+    }
+    station(dir.path(), "127.0.0.1:0", CAMERA);
+    let told = check(dir.path()).done().stdout;
+    assert!(told.contains("note            [station] listen: 127.0.0.1:0 is another port at each"), "{told}");
+}
+
+/// A name may be that of a pipe that nobody writes to, or of a file without an end.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_that_never_end_are_refused_at_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let made = std::process::Command::new("mkfifo").arg(dir.path().join("pipe")).status().unwrap();
+    assert!(made.success());
+    for (config, tables) in [
+        ("pipe", String::new()),
+        ("/dev/zero", String::new()),
+        ("tetrad.toml", format!("{CAMERA}scene = \"pipe\"\n")),
+        ("tetrad.toml", format!("{CAMERA}colours = \"/dev/zero\"\n")),
+    ] {
+        station(dir.path(), "127.0.0.1:7420", &tables);
+        let ran = ended_soon(dir.path(), &format!("check --config {config}"));
+        ran.refused(2, &[config, "it is a pipe or a device"]);
+    }
+}
+
+/// Runs the program; one that hangs is ended, and has no exit code.
+fn ended_soon(dir: &Path, arguments: &str) -> Ran {
+    let text = || tempfile::tempfile().unwrap();
+    let (mut stdout, mut stderr) = (text(), text());
+    let mut command = common::command(arguments);
+    command.current_dir(dir).stdout(stdout.try_clone().unwrap()).stderr(stderr.try_clone().unwrap());
+    let mut program = command.spawn().unwrap();
+    let mut looks = 0;
+    while program.try_wait().unwrap().is_none() && looks < 1_000 {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        looks += 1;
+    }
+    // one that ended is not there to be killed
+    let _ = program.kill();
+    let code = program.wait().unwrap().code();
+    let read = |file: &mut fs::File| {
+        let mut text = String::new();
+        file.rewind().and_then(|()| file.read_to_string(&mut text)).unwrap();
+        text
+    };
+    Ran { code, stdout: read(&mut stdout), stderr: read(&mut stderr) }
 }

@@ -153,9 +153,16 @@ pub enum TeleopConfigError {
     Workspace,
     /// The lead must be above 0, that of turns at most 2 rad.
     Lead,
-    /// A timeout must be between 1 us and 5 s, and the hold that ends an engagement no shorter than
-    /// the timeout of commands and of hold-to-run.
-    Timeout,
+    /// A command must stand for 1 us to 5 s.
+    CommandTimeout,
+    /// Hold-to-run must stand for 1 us to 5 s.
+    HoldToRunTimeout,
+    /// A predicted hand must be followed for 1 us to 5 s.
+    Predicted,
+    /// The hold that ends an engagement must be 1 us to 5 s long.
+    Resume,
+    /// That hold must be no shorter than a command or hold-to-run stands.
+    ResumeTooShort,
     /// The motion that is believed must be finite, its most above 0 and no less than its slack.
     Believed,
 }
@@ -167,8 +174,15 @@ impl fmt::Display for TeleopConfigError {
             Self::RobotFromHand => "robot_from_hand must be a rotation: orthonormal and right-handed",
             Self::Workspace => "the workspace must have each least below its largest, within 100 m",
             Self::Lead => "the lead over the arm must be above 0, at most 100 m and 2 rad",
-            Self::Timeout => {
-                "timeouts must be between 1 us and 5 s, and that of a hold no shorter than the others"
+            Self::CommandTimeout => "the time that a command stands must be between 1 us and 5 s",
+            Self::HoldToRunTimeout => "the time that hold-to-run stands must be between 1 us and 5 s",
+            Self::Predicted => "the time that a predicted hand is followed must be between 1 us and 5 s",
+            Self::Resume => {
+                "the pause after which it takes a fresh press to go on must be between 1 us and 5 s"
+            }
+            Self::ResumeTooShort => {
+                "the pause after which it takes a fresh press to go on must be no shorter than a command or \
+                 hold-to-run stands"
             }
             Self::Believed => "the believed motion must be finite, its most above 0 and at least its slack",
         })
@@ -212,12 +226,18 @@ impl TeleopConfig {
         if !within(self.max_lead_m, MAX_WORKSPACE_M) || !within(self.max_lead_rad, MAX_TURN_LEAD_RAD) {
             return Err(TeleopConfigError::Lead);
         }
-        let words = [self.command_timeout_us, self.hold_to_run_timeout_us];
-        let times = [self.predicted_us, self.resume_us];
-        if !words.iter().chain(&times).all(|us| (1..=MAX_TIMEOUT_US).contains(us))
-            || words.iter().any(|us| *us > self.resume_us)
-        {
-            return Err(TeleopConfigError::Timeout);
+        for (us, error) in [
+            (self.command_timeout_us, TeleopConfigError::CommandTimeout),
+            (self.hold_to_run_timeout_us, TeleopConfigError::HoldToRunTimeout),
+            (self.predicted_us, TeleopConfigError::Predicted),
+            (self.resume_us, TeleopConfigError::Resume),
+        ] {
+            if !(1..=MAX_TIMEOUT_US).contains(&us) {
+                return Err(error);
+            }
+        }
+        if self.resume_us < self.command_timeout_us.max(self.hold_to_run_timeout_us) {
+            return Err(TeleopConfigError::ResumeTooShort);
         }
         let b = &self.believed;
         let kinds = [(b.slack_m, b.speed_m_s, b.most_m), (b.slack_rad, b.speed_rad_s, b.most_rad)];
@@ -248,7 +268,10 @@ mod tests {
 
     #[test]
     fn what_cannot_be_worked_with_is_named() {
-        use TeleopConfigError::{Believed, Lead, RobotFromHand, Scale, Timeout, Workspace};
+        use TeleopConfigError::{
+            Believed, CommandTimeout, HoldToRunTimeout, Lead, Predicted, Resume, ResumeTooShort,
+            RobotFromHand, Scale, Workspace,
+        };
         assert_eq!(with(|c| c.scale = 0.0), Err(Scale));
         assert_eq!(with(|c| c.scale = f64::NAN), Err(Scale));
         assert_eq!(with(|c| c.turning = Turning::Scaled(-1.0)), Err(Scale));
@@ -259,9 +282,11 @@ mod tests {
         assert_eq!(with(|c| c.workspace.max_m[2] = f64::INFINITY), Err(Workspace));
         assert_eq!(with(|c| c.max_lead_m = 0.0), Err(Lead));
         assert_eq!(with(|c| c.max_lead_rad = 3.0), Err(Lead));
-        assert_eq!(with(|c| c.command_timeout_us = 0), Err(Timeout));
-        assert_eq!(with(|c| c.resume_us = 150_000), Err(Timeout));
-        assert_eq!(with(|c| c.predicted_us = 6_000_000), Err(Timeout));
+        assert_eq!(with(|c| c.command_timeout_us = 0), Err(CommandTimeout));
+        assert_eq!(with(|c| c.hold_to_run_timeout_us = 0), Err(HoldToRunTimeout));
+        assert_eq!(with(|c| c.predicted_us = 6_000_000), Err(Predicted));
+        assert_eq!(with(|c| c.resume_us = 6_000_000), Err(Resume));
+        assert_eq!(with(|c| c.resume_us = 150_000), Err(ResumeTooShort));
         assert_eq!(with(|c| c.believed.most_m = 0.01), Err(Believed));
         assert_eq!(with(|c| c.believed.speed_rad_s = f64::NAN), Err(Believed));
     }

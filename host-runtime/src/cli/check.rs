@@ -81,7 +81,7 @@ fn row(label: &str, text: impl Display) {
 }
 
 fn tell_network(network: &NetworkSettings) {
-    let NetworkSettings { name, keys, announce, link } = network;
+    let NetworkSettings { name, keys, announce, link, file: _ } = network;
     row("station", format_args!("{name}, with its certificate and key in {}", keys.display()));
     match link.listen {
         Some(address) => row("listens", format_args!("on {address} (UDP)")),

@@ -6,6 +6,7 @@
 //! a day has come. A key that got lost is answered by a new authority.
 
 use super::name::{AUTHORITY, StationName};
+use crate::text_file;
 use rcgen::{
     BasicConstraints, CertificateParams, DistinguishedName, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer,
     KeyPair, KeyUsagePurpose, date_time_ymd,
@@ -98,15 +99,26 @@ pub fn make_authority(dir: &Path) -> Result<KeyFiles, KeysError> {
 /// # Errors
 /// [`KeysError`]; nothing is overwritten.
 pub fn make_station(dir: &Path, name: &StationName) -> Result<KeyFiles, KeysError> {
+    make_station_with(dir, name, |_| {})
+}
+
+/// The same with something about the certificate changed, as another maker's might be.
+pub(super) fn make_station_with(
+    dir: &Path,
+    name: &StationName,
+    change: impl FnOnce(&mut CertificateParams),
+) -> Result<KeyFiles, KeysError> {
     let authority = KeyFiles::of_authority(dir).key;
-    let pem = std::fs::read_to_string(&authority).map_err(|cause| match cause.kind() {
+    let pem = text_file::read(&authority).map_err(|cause| match cause.kind() {
         io::ErrorKind::NotFound => KeysError::NoAuthority(authority.clone()),
         _ => KeysError::File { verb: "read", path: authority.clone(), cause },
     })?;
     let signing = KeyPair::from_pem(&pem).map_err(|cause| KeysError::BadAuthority(authority, cause))?;
     let issuer = Issuer::new(authority_params(&signing), signing);
     let key = KeyPair::generate()?;
-    let certificate = station_params(name)?.signed_by(&key, &issuer)?;
+    let mut params = station_params(name)?;
+    change(&mut params);
+    let certificate = params.signed_by(&key, &issuer)?;
     KeyFiles::of_station(dir, name).write(&certificate.pem(), &key.serialize_pem())
 }
 

@@ -82,7 +82,12 @@ pub(super) fn in_words(error: &ConnectionError) -> String {
 fn alert(code: quinn::TransportErrorCode) -> String {
     match u64::from(code).checked_sub(0x100) {
         Some(116) => "no certificate was shown".to_owned(),
-        Some(42..=46) => "the certificate is not that of a configured peer".to_owned(),
+        Some(45) => {
+            "the certificate is not valid on the day that one of the two clocks shows: set the clocks, or \
+                     make another with `tetrad keys`, which has no last day"
+                .to_owned()
+        }
+        Some(42..=44 | 46) => "the certificate is not that of a configured peer".to_owned(),
         Some(48) => "the certificate is of another authority".to_owned(),
         Some(51) => "the certificate's signature is wrong".to_owned(),
         Some(120) => "the two speak different versions: update the older one".to_owned(),

@@ -16,7 +16,7 @@ pub mod clock;
 
 pub mod lateness;
 
-mod query;
+pub(crate) mod query;
 
 pub mod set_point;
 

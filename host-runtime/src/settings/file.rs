@@ -6,6 +6,7 @@
 use super::arm::{ArmToml, GovernorToml, SlaveToml, TeleopToml, WorkspaceToml};
 use super::station::{CameraToml, OperatorToml, PeerToml, StationToml};
 use crate::robot::canopen::CanopenConfig;
+use crate::text_file;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -87,5 +88,5 @@ impl SettingsError {
 /// # Errors
 /// [`SettingsError::Unreadable`]
 pub(super) fn read(file: &Path) -> Result<String, SettingsError> {
-    std::fs::read_to_string(file).map_err(|cause| SettingsError::Unreadable { file: file.to_owned(), cause })
+    text_file::read(file).map_err(|cause| SettingsError::Unreadable { file: file.to_owned(), cause })
 }

@@ -57,7 +57,7 @@ impl StationSettings {
 
     fn checked(toml: &FileToml, file: &Path) -> Result<Self, Problem> {
         let dir = file.parent().unwrap_or(Path::new(""));
-        let network = NetworkSettings::checked(toml.station.as_ref(), &toml.peer, dir)?;
+        let network = NetworkSettings::checked(toml.station.as_ref(), &toml.peer, file)?;
         let settings = Self {
             file: file.to_owned(),
             camera: toml.camera.as_ref().map(|camera| camera.checked("[camera]", dir)).transpose()?,

@@ -1,5 +1,6 @@
 use super::*;
 use clap::Parser;
+use std::fs;
 use tempfile::TempDir;
 
 /// Parses flags as the program does.

@@ -1,10 +1,11 @@
 //! What is not as it should be at the moment, though the file can be meant: what is not plugged in, or is
 //! another computer's. Nothing is opened.
 
+use crate::link::authority::KeyFiles;
 use crate::robot::canopen::CanopenAddress;
 use crate::robot::{RobotAddress, RobotKind, val2};
 use crate::settings::station::{
-    HandCamera, LocalCamera, SceneCamera, SlavePlace, SlaveSettings, StationSettings,
+    HandCamera, LocalCamera, NetworkSettings, SceneCamera, SlavePlace, SlaveSettings, StationSettings,
 };
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
@@ -15,6 +16,8 @@ pub(super) fn notes(settings: &StationSettings) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(network) = &settings.network {
         notes.extend(network.link.listen.and_then(elsewhere));
+        notes.extend(nowhere_known(network));
+        notes.extend(of_keys(network));
         if settings.camera.is_some() && network.link.peers.is_empty() {
             notes.push("[[peer]]: there is none, so nobody gets what the camera sees".to_owned());
         }
@@ -35,6 +38,50 @@ pub(super) fn notes(settings: &StationSettings) -> Vec<String> {
     let here = settings.operator.as_ref().is_some_and(|operator| operator.slave == SlavePlace::Here);
     notes.extend(of_slave(&settings.slave, here));
     notes
+}
+
+/// Any free port is another one at each start.
+fn nowhere_known(network: &NetworkSettings) -> Option<String> {
+    let listen = network.link.listen.filter(|listen| listen.port() == 0 && !network.announce)?;
+    Some(format!(
+        "[station] listen: {listen} is another port at each start, and no peer can be told which: give one, as \
+         {}:7420, or announce = true",
+        listen.ip()
+    ))
+}
+
+/// Keys that more people can take than have to.
+fn of_keys(network: &NetworkSettings) -> Vec<String> {
+    let keys = &network.keys;
+    let mut notes = Vec::new();
+    let own = KeyFiles::of_station(keys, &network.name).key;
+    if is_everybodys(&own) {
+        notes.push(format!(
+            "[station] keys: everybody on this computer may read {}, and who has it is this station: `chmod \
+             o= {0}`",
+            own.display()
+        ));
+    }
+    let authority = KeyFiles::of_authority(keys).key;
+    if authority.exists() {
+        notes.push(format!(
+            "[station] keys: {} is here, and who has it can make any station: keep it where the keys are made, \
+             and on no station",
+            authority.display()
+        ));
+    }
+    notes
+}
+
+#[cfg(unix)]
+fn is_everybodys(file: &Path) -> bool {
+    use std::os::unix::fs::PermissionsExt as _;
+    std::fs::metadata(file).is_ok_and(|data| data.permissions().mode() & 0o006 != 0)
+}
+
+#[cfg(not(unix))]
+fn is_everybodys(_file: &Path) -> bool {
+    false
 }
 
 fn of_slave(slave: &SlaveSettings, here: bool) -> Vec<String> {

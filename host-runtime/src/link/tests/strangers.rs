@@ -1,8 +1,11 @@
 //! Those who are not to be let in get nothing: no motion in, no picture out, and a line in the log.
 
 use super::*;
+use crate::link::authority::make_station_with;
 use quinn::crypto::rustls::QuicClientConfig;
 use rustls::crypto::ring;
+use rustls::pki_types::pem::PemObject as _;
+use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::version::TLS13;
 
 /// A client that shows another certificate, or none, and dials the slave at its best.
@@ -183,4 +186,27 @@ fn nonsense_from_a_peer_ends_its_connection_alone() {
     }
     let mut next = 0;
     pass_motion(&only_peer(&operator), operator.session(), &to_operator, &mut next);
+}
+
+/// A peer whose certificate has had its day, made by somebody else than `tetrad keys`.
+#[test]
+fn a_certificate_of_another_day_is_told_as_that() {
+    let keys = keys(&["operator", "slave"]);
+    let old = name("camera");
+    let files = make_station_with(keys.path(), &old, |params| {
+        params.not_after = rcgen::date_time_ymd(2001, 1, 1);
+    })
+    .unwrap();
+    let own = identity(&keys, "slave");
+    let camera = Identity {
+        name: old,
+        certificate: CertificateDer::from_pem_file(files.certificate).unwrap(),
+        key: PrivateKeyDer::from_pem_file(files.key).unwrap(),
+        authority: own.authority.clone(),
+    };
+    let slave = listener(&keys, "slave", &["camera"]);
+    let client = stranger(&own, Some(&camera), Lane::Motion.alpn());
+    assert!(!runtime().block_on(try_everything(client, slave.local_address())));
+    let event = wait_for("a line", || next_event(&slave)).to_string();
+    assert!(event.contains("is refused") && event.contains("not valid on the day"), "{event}");
 }

@@ -83,9 +83,10 @@ impl TeleopToml {
                 TeleopConfigError::RobotFromHand => "robot_from_hand",
                 TeleopConfigError::Workspace => return super::workspace_problem(),
                 TeleopConfigError::Lead => "max_lead_mm, max_lead_deg",
-                TeleopConfigError::Timeout => {
-                    "command_timeout_ms, hold_to_run_timeout_ms, predicted_ms, resume_ms"
-                }
+                TeleopConfigError::CommandTimeout => "command_timeout_ms",
+                TeleopConfigError::HoldToRunTimeout => "hold_to_run_timeout_ms",
+                TeleopConfigError::Predicted => "predicted_ms",
+                TeleopConfigError::Resume | TeleopConfigError::ResumeTooShort => "resume_ms",
                 // no key sets it
                 TeleopConfigError::Believed => "",
             };

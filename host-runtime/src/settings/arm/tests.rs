@@ -118,7 +118,14 @@ fn values_that_cannot_be_are_named_by_table_and_key() {
     refused("[arm]\nmax_speed_deg_s = [1, 1, 1, nan, 1, 1]\n", "[arm] max_speed_deg_s: joint 4");
     refused("[arm]\ntool_rpy_deg = [inf, 0, 0]\n", "[arm] tool_mm, tool_rpy_deg: the tool");
     refused("[teleop]\nscale = -1\n", "[teleop] scale, turn_scale: ");
-    refused("[teleop]\ncommand_timeout_ms = nan\n", "[teleop] command_timeout_ms, ");
+    refused("[teleop]\ncommand_timeout_ms = nan\n", "[teleop] command_timeout_ms: the time that a command ");
+    refused("[teleop]\nhold_to_run_timeout_ms = -1\n", "[teleop] hold_to_run_timeout_ms: ");
+    refused("[teleop]\npredicted_ms = 6000\n", "[teleop] predicted_ms: the time that a predicted hand ");
+    refused(
+        "[teleop]\nresume_ms = 6000\n",
+        "[teleop] resume_ms: the pause after which it takes a fresh press ",
+    );
+    refused("[teleop]\nresume_ms = 150\n", "no shorter than a command or hold-to-run stands");
     refused("[teleop]\nrobot_from_hand = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n", "[teleop] robot_from_hand: ");
     refused("[teleop]\nlock_turns = true\nturn_scale = 0.5\n", "[teleop] lock_turns, turn_scale: ");
     refused(

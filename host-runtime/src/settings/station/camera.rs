@@ -7,6 +7,7 @@ use crate::scene_file::SceneFile;
 use crate::settings::file::Problem;
 use crate::settings::{FOCAL_PX, Mode, Start};
 use crate::source::{MAX_FPS, Options, View, check_live};
+use crate::text_file;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -184,5 +185,5 @@ pub(super) fn located(source: &str, dir: &Path) -> String {
 }
 
 fn read(path: &Path) -> Result<String, String> {
-    std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))
+    text_file::read(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))
 }

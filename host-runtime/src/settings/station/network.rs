@@ -9,6 +9,7 @@ use crate::link::{
 use crate::robot::clock::Clock;
 use crate::settings::file::Problem;
 use serde::Deserialize;
+use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
@@ -35,6 +36,8 @@ pub(in crate::settings) struct PeerToml {
 /// Who the station is and whom it talks to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NetworkSettings {
+    /// The file that says so, for messages.
+    pub file: PathBuf,
     /// Its name, in its certificate too.
     pub name: StationName,
     /// Where its certificate and key are.
@@ -49,8 +52,9 @@ impl NetworkSettings {
     pub(super) fn checked(
         station: Option<&StationToml>,
         peers: &[PeerToml],
-        dir: &Path,
+        file: &Path,
     ) -> Result<Option<Self>, Problem> {
+        let dir = file.parent().unwrap_or(Path::new(""));
         let wrong = |key: &str, problem: String| (key.to_owned(), problem);
         let Some(station) = station else {
             if peers.is_empty() {
@@ -91,7 +95,8 @@ impl NetworkSettings {
             let key = if matches!(error, LinkError::NoWay(_)) { "[[peer]] address" } else { "[[peer]] name" };
             wrong(key, error.to_string())
         })?;
-        Ok(Some(Self { name, keys: dir.join(&station.keys), announce, link }))
+        let (file, keys) = (file.to_owned(), dir.join(&station.keys));
+        Ok(Some(Self { file, name, keys, announce, link }))
     }
 
     /// Whether a peer is called so.
@@ -106,12 +111,9 @@ impl NetworkSettings {
     /// [`Exit::BadArguments`]: the message names the key, the file and what makes it.
     pub fn identity(&self) -> Result<Identity, Failure> {
         Identity::load(&self.keys, &self.name).map_err(|error| {
-            let help = match &error {
-                IdentityError::File { .. } => Some(self.makes_keys()),
-                _ => None,
-            };
-            let cause =
-                anyhow::Error::new(error).context("[station] keys: this station cannot say who it is");
+            let help = self.mend(&error);
+            let said = format!("{}: [station] keys: this station cannot say who it is", self.file.display());
+            let cause = anyhow::Error::new(error).context(said);
             Failure { exit: Exit::BadArguments, cause, help: help.map(Into::into) }
         })
     }
@@ -121,6 +123,16 @@ impl NetworkSettings {
         let sought = self.link.sought();
         let wanted = self.announce || !sought.is_empty();
         wanted.then(|| Discovery::start(sought, Scope::Network)).transpose()
+    }
+
+    /// What mends it, where the error does not say so itself. Only a file that is not there has to be made.
+    fn mend(&self, error: &IdentityError) -> Option<String> {
+        let IdentityError::File { path, cause, .. } = error else { return None };
+        match cause.kind() {
+            io::ErrorKind::NotFound => Some(self.makes_keys()),
+            io::ErrorKind::PermissionDenied => Some(lets_read(path)),
+            _ => None,
+        }
     }
 
     /// The commands that make what `[station] keys` is to hold.
@@ -156,9 +168,20 @@ impl NetworkSettings {
                 LinkError::NoWay(_) => (Exit::BadArguments, "[[peer]] address"),
                 LinkError::Thread(_) => (Exit::Failed, "[station]"),
             };
-            Failure::new(exit, anyhow::Error::new(error).context(format!("{key}: there is no link")))
+            let said = format!("{}: {key}: there is no link", self.file.display());
+            Failure::new(exit, anyhow::Error::new(error).context(said))
         })
     }
+}
+
+/// What lets whoever runs this program read a key that is there. Another key would not be better.
+fn lets_read(path: &Path) -> String {
+    format!(
+        "it is there, and this user may not read it: be in the group of the file (where it is set up as in \
+         docs/deploy.md: `sudo usermod --append --groups tetrad \"$USER\"`, then log in anew), or be its owner \
+         (`ls -l {}`)",
+        path.display()
+    )
 }
 
 /// Where to listen: an address of this computer, not a name, and a port.
@@ -215,5 +238,30 @@ fn dialled(text: &str) -> Result<(), String> {
         _ => Err(format!(
             "'{text}' cannot be dialled: give HOST:PORT, as arm.local:7420 or 10.0.0.3:7420, or \"{MDNS}\""
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_that_may_not_be_read_is_not_made_anew() {
+        let network = NetworkSettings {
+            file: "tetrad.toml".into(),
+            name: "slave".parse().unwrap(),
+            keys: "keys".into(),
+            announce: false,
+            link: LinkConfig { listen: None, peers: Vec::new(), picture_bytes_per_s: 1 },
+        };
+        let mend = |kind: io::ErrorKind| {
+            let path = PathBuf::from("keys/slave.key");
+            network.mend(&IdentityError::File { what: "private key", path, cause: kind.into() })
+        };
+        let forbidden = mend(io::ErrorKind::PermissionDenied).unwrap();
+        assert!(forbidden.contains("usermod") && forbidden.contains("ls -l keys/slave.key"), "{forbidden}");
+        assert!(!forbidden.contains("tetrad keys"), "{forbidden}");
+        assert!(mend(io::ErrorKind::NotFound).unwrap().contains("`tetrad keys --out keys station slave`"));
+        assert_eq!(mend(io::ErrorKind::InvalidData), None);
     }
 }

@@ -3,6 +3,7 @@
 use super::camera::{CameraToml, LocalCamera};
 use super::within;
 use crate::link::StationName;
+use crate::robot::query::Query;
 use crate::settings::FOCAL_PX;
 use crate::settings::file::Problem;
 use serde::Deserialize;
@@ -192,13 +193,9 @@ impl CameraToml {
 /// `DEVICE?baud=N`.
 fn serial(text: &str) -> Result<HandCamera, String> {
     let (device, query) = text.split_once('?').unwrap_or((text, ""));
-    let baud = match query.strip_prefix("baud=") {
-        None if query.is_empty() => DEFAULT_BAUD,
-        Some(number) if number.parse::<u32>().is_ok_and(|baud| baud > 0) => {
-            number.parse().unwrap_or(DEFAULT_BAUD)
-        }
-        _ => return Err(format!("'{query}' means nothing here: a serial port takes only ?baud=N")),
-    };
+    let mut query = Query::parse(query)?;
+    let baud = query.number("baud", "bits a second", BAUDS)?.unwrap_or(DEFAULT_BAUD);
+    query.finish()?;
     if device.is_empty() {
         return Err(format!("name the port, as {SERIAL}/dev/ttyACM0"));
     }
@@ -207,3 +204,6 @@ fn serial(text: &str) -> Result<HandCamera, String> {
 
 /// USB ports take any; a UART of this rate has room for two cameras' packets at 60 a second.
 const DEFAULT_BAUD: u32 = 921_600;
+
+/// What any line is asked for.
+const BAUDS: std::ops::RangeInclusive<u32> = 300..=12_000_000;

@@ -226,7 +226,7 @@ fn keys_have_to_be_of_one_make() {
     let network = settings.network.unwrap();
     let missing = network.identity().unwrap_err().to_string();
     let command = format!("`tetrad keys --out {} station slave`", network.keys.display());
-    for words in ["error: [station] keys: ", "slave.pem", "authority.pem", &command] {
+    for words in ["tetrad.toml: [station] keys: ", "slave.pem", "authority.pem", &command] {
         assert!(missing.contains(words), "no {words:?} in {missing}");
     }
     fs::create_dir(&network.keys).unwrap();
