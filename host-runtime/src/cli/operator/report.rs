@@ -55,12 +55,9 @@ pub(super) fn lines(
     }
     let kb = |kb: Option<u64>| kb.map_or_else(|| "?".to_owned(), |kb| kb.to_string());
     let Memory { start, warm, end } = memory;
-    lines.push(format!(
-        "memory          {} kB at the start, {} kB warm, {} kB at the end",
-        kb(start),
-        kb(warm),
-        kb(end)
-    ));
+    // a run that was ended before is not told of
+    let warm = warm.map_or_else(String::new, |warm| format!("{warm} kB warm, "));
+    lines.push(format!("memory          {} kB at the start, {warm}{} kB at the end", kb(start), kb(end)));
     lines
 }
 
