@@ -29,7 +29,8 @@ struct Slots<const N: usize> {
 pub struct OutboxCounts {
     /// Handed to the network.
     pub sent: u64,
-    /// Never sent: a newer one of its kind took its place, or nobody was there to take it.
+    /// Never sent: a newer one of its kind took its place, or nobody was there to take it. Pictures that were
+    /// given up on their way too.
     pub overtaken: u64,
 }
 
@@ -92,6 +93,11 @@ impl<const N: usize> Outbox<N> {
 
     pub(super) fn count_sent(&self) {
         self.lock().counts.sent += 1;
+    }
+
+    /// What was sent did not arrive in time, and is not sent any more.
+    pub(super) fn count_given_up(&self) {
+        self.lock().counts.overtaken += 1;
     }
 
     pub(super) fn counts(&self) -> OutboxCounts {

@@ -1,7 +1,9 @@
 //! One connection for pictures: each on a stream of its own, the newest of each camera, at a bounded rate.
 //!
-//! A picture that has begun is sent to its end, for one that is broken off helps nobody; one that has
-//! not begun is overtaken by the next. So a slow network sees fewer pictures and never older ones.
+//! One that has not begun is overtaken by the next. One that has begun and is not there after a second is
+//! given up, and so is what QUIC would still send of it, for that goes before all that is newer. The next one
+//! then has longer, so that a line which takes more than a second for a picture shows some all the same. So
+//! a slow network sees fewer pictures, and none that is older than [`PATIENCE`]'s second by more than its way.
 
 use super::closing::{Closing, in_words};
 use super::peer::PeerShared;
@@ -9,18 +11,23 @@ use super::picture::{MAX_PICTURE_LEN, Picture};
 use super::tls::Lane;
 use super::transport::set_for;
 use bytes::Bytes;
-use quinn::{Connection, ConnectionError};
+use quinn::{Connection, ConnectionError, VarInt};
 use std::convert::Infallible;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 use tokio::sync::Semaphore;
-use tokio::time::{Instant, sleep_until, timeout};
+use tokio::time::{Instant, sleep_until, timeout, timeout_at};
 
 /// Pictures on their way at a time: the next is begun while the last one's arrival is not yet known.
 const ON_THEIR_WAY: usize = 2;
 
-/// A picture that takes longer than this, either way, is given up: it is of no use any more.
-const TOO_OLD: Duration = Duration::from_secs(3);
+/// How long a picture may take: doubled from the first to the second for each that is given up, and back at
+/// the first with one that arrives.
+const PATIENCE: (Duration, Duration) = (Duration::from_secs(1), Duration::from_secs(4));
+
+/// What a stream is reset with whose picture is given up.
+const GIVEN_UP: VarInt = VarInt::from_u32(1);
 
 /// Carries pictures until the connection ends, and says why it did.
 pub(super) async fn run(connection: &Connection, peer: &Arc<PeerShared>, bytes_per_s: u32) -> String {
@@ -42,10 +49,11 @@ pub(super) async fn run(connection: &Connection, peer: &Arc<PeerShared>, bytes_p
 
 async fn send(
     connection: &Connection,
-    peer: &PeerShared,
+    peer: &Arc<PeerShared>,
     mut pace: Pace,
 ) -> Result<Infallible, ConnectionError> {
     let on_their_way = Arc::new(Semaphore::new(ON_THEIR_WAY));
+    let patience = Arc::new(Patience::default());
     loop {
         peer.pictures.ready().await;
         sleep_until(pace.free_at).await;
@@ -56,20 +64,35 @@ async fn send(
         }
         pace.spend(picture.len());
         peer.pictures.count_sent();
-        let connection = connection.clone();
+        let (connection, peer, patience) = (connection.clone(), Arc::clone(peer), Arc::clone(&patience));
         tokio::spawn(async move {
             // one that does not get through is followed by a newer one
-            let _ = timeout(TOO_OLD, send_one(&connection, picture)).await;
+            if send_one(&connection, picture, patience.now()).await {
+                patience.arrived();
+            } else {
+                patience.given_up();
+                peer.pictures.count_given_up();
+            }
             drop(place);
         });
     }
 }
 
-async fn send_one(connection: &Connection, picture: Bytes) -> Option<()> {
-    let mut stream = connection.open_uni().await.ok()?;
-    stream.write_chunk(picture).await.ok()?;
-    stream.finish().ok()?;
-    stream.stopped().await.ok().map(drop)
+/// Whether it arrived within so long.
+async fn send_one(connection: &Connection, picture: Bytes, patience: Duration) -> bool {
+    let until = Instant::now() + patience;
+    let Ok(Ok(mut stream)) = timeout_at(until, connection.open_uni()).await else { return false };
+    let sent = timeout_at(until, async {
+        stream.write_chunk(picture).await.ok()?;
+        stream.finish().ok()?;
+        stream.stopped().await.ok()
+    });
+    let arrived = matches!(sent.await, Ok(Some(None)));
+    if !arrived {
+        // a stream that is merely let go of is sent to its end
+        let _ = stream.reset(GIVEN_UP);
+    }
+    arrived
 }
 
 async fn receive(connection: &Connection, peer: &Arc<PeerShared>) -> Result<Infallible, ConnectionError> {
@@ -77,12 +100,34 @@ async fn receive(connection: &Connection, peer: &Arc<PeerShared>) -> Result<Infa
         let mut stream = connection.accept_uni().await?;
         let peer = Arc::clone(peer);
         tokio::spawn(async move {
-            let Ok(Ok(bytes)) = timeout(TOO_OLD, stream.read_to_end(MAX_PICTURE_LEN)).await else { return };
+            let Ok(Ok(bytes)) = timeout(PATIENCE.1, stream.read_to_end(MAX_PICTURE_LEN)).await else {
+                return;
+            };
             // what is no picture is nobody's loss
             if let Ok(picture) = Picture::decode(&bytes) {
                 peer.take_picture(picture);
             }
         });
+    }
+}
+
+/// How long the next picture may take: how often in a row one was given up.
+#[derive(Default)]
+struct Patience(AtomicU32);
+
+impl Patience {
+    fn now(&self) -> Duration {
+        let (first, most) = PATIENCE;
+        let times = 1_u32.checked_shl(self.0.load(Ordering::Relaxed)).unwrap_or(u32::MAX);
+        first.saturating_mul(times).min(most)
+    }
+
+    fn arrived(&self) {
+        self.0.store(0, Ordering::Relaxed);
+    }
+
+    fn given_up(&self) {
+        self.0.fetch_add(1, Ordering::Relaxed);
     }
 }
 
@@ -100,5 +145,24 @@ impl Pace {
     fn spend(&mut self, bytes: usize) {
         let takes = Duration::from_secs_f64(bytes as f64 / f64::from(self.bytes_per_s));
         self.free_at = self.free_at.max(Instant::now()) + takes;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_gave_up_waits_longer_until_one_arrives() {
+        let patience = Patience::default();
+        let mut waits = Vec::new();
+        for _ in 0..40 {
+            waits.push(patience.now().as_secs());
+            patience.given_up();
+        }
+        assert_eq!(waits[..4], [1, 2, 4, 4]);
+        assert_eq!(waits.last(), Some(&4));
+        patience.arrived();
+        assert_eq!(patience.now().as_secs(), 1);
     }
 }

@@ -4,6 +4,9 @@ use super::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// Bytes: longer than acknowledgements and motion, shorter than pieces of a picture.
+const SHORT: usize = 600;
+
 /// Between one who dials and one who is dialled.
 pub(super) struct Relay {
     pub(super) address: SocketAddr,
@@ -11,6 +14,8 @@ pub(super) struct Relay {
     socket: UdpSocket,
     to: SocketAddr,
     pub(super) cut: Arc<AtomicBool>,
+    /// Only what is short passes, as on a line that is full.
+    full: Arc<AtomicBool>,
     recorded: Arc<Mutex<Vec<Vec<u8>>>>,
     stop: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
@@ -25,11 +30,12 @@ impl Relay {
         };
         let (front, back) = (bind(), bind());
         let (cut, stop) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+        let full = Arc::new(AtomicBool::new(false));
         let recorded = Arc::new(Mutex::new(Vec::new()));
         let dialler = Arc::new(Mutex::new(None::<SocketAddr>));
         let hand_on = |from: UdpSocket, out: UdpSocket, forth: bool| {
-            let (cut, stop, recorded, dialler) =
-                (Arc::clone(&cut), Arc::clone(&stop), Arc::clone(&recorded), Arc::clone(&dialler));
+            let (cut, full, stop) = (Arc::clone(&cut), Arc::clone(&full), Arc::clone(&stop));
+            let (recorded, dialler) = (Arc::clone(&recorded), Arc::clone(&dialler));
             std::thread::spawn(move || {
                 let mut bytes = [0; 65_536];
                 while !stop.load(Ordering::Relaxed) {
@@ -42,7 +48,8 @@ impl Relay {
                     } else {
                         *dialler.lock().unwrap()
                     };
-                    if let Some(receiver) = receiver.filter(|_| !cut.load(Ordering::Relaxed)) {
+                    let kept = full.load(Ordering::Relaxed) && length > SHORT;
+                    if let Some(receiver) = receiver.filter(|_| !kept && !cut.load(Ordering::Relaxed)) {
                         let _ = out.send_to(datagram, receiver);
                     }
                 }
@@ -53,7 +60,7 @@ impl Relay {
             hand_on(back.try_clone().unwrap(), front.try_clone().unwrap(), false),
         ];
         let address = front.local_addr().unwrap();
-        Self { address, socket: back, to, cut, recorded, stop, threads }
+        Self { address, socket: back, to, cut, full, recorded, stop, threads }
     }
 }
 
@@ -157,4 +164,57 @@ fn a_long_cut_ends_the_connection_and_it_comes_back_as_the_same_session() {
     });
     assert_eq!(to_operator.motion(), None);
     assert!(pass_motion(&to_slave, operator.session(), &to_operator, &mut next) > before);
+}
+
+#[test]
+fn a_picture_that_is_late_is_given_up_and_never_comes() {
+    let keys = keys(&["operator", "slave"]);
+    let slave = listener(&keys, "slave", &["operator"]);
+    let relay = Relay::start(slave.local_address());
+    let operator = dialler(&keys, "operator", "slave", relay.address);
+    let (to_slave, to_operator) = (connected(&operator), connected(&slave));
+    let send = |sequence| {
+        let picture = Picture {
+            camera: 0,
+            session: slave.session(),
+            sequence,
+            capture_us: 3,
+            width: 640,
+            height: 480,
+            jpeg: vec![7; 50_000],
+        };
+        to_operator.send_picture(&picture).unwrap();
+    };
+    let mut last = 0;
+    wait_for("a picture", || {
+        last += 1;
+        send(last);
+        to_slave.picture(0)
+    });
+    // the last of these, so that none is on its way any more
+    wait_for("all sent", || {
+        let counts = to_operator.stats().pictures_sent;
+        (counts.sent + counts.overtaken >= u64::from(last)).then_some(())
+    });
+    send(last + 1);
+    wait_for("the last", || to_slave.picture(0).filter(|picture| picture.what.sequence > last));
+    relay.full.store(true, Ordering::Relaxed);
+    let late = last + 2;
+    let before = to_operator.stats().pictures_sent;
+    // as many as may be on their way at a time
+    for (sequence, sent) in (late..late + 2).zip(before.sent + 1..) {
+        send(sequence);
+        wait_for("its turn", || (to_operator.stats().pictures_sent.sent >= sent).then_some(()));
+    }
+    wait_for("the end of both", || {
+        (to_operator.stats().pictures_sent.overtaken >= before.overtaken + 2).then_some(())
+    });
+    relay.full.store(false, Ordering::Relaxed);
+    let mut next = late + 1;
+    let came = wait_for("a newer picture", || {
+        next += 1;
+        send(next);
+        to_slave.picture(0)
+    });
+    assert!(came.what.sequence > late + 1, "{} came after it was given up", came.what.sequence);
 }
