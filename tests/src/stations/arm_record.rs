@@ -24,12 +24,34 @@ struct Row {
 pub(super) struct Stops {
     pub(super) count: usize,
     /// The longest from the coming of the last command that was fresh to the first cycle that did not
-    /// follow it, ms.
+    /// follow it, ms, by the slave's clock.
     pub(super) latest_ms: f64,
+    /// The longest of these without what that cycle came late itself, ms: what the law does. The rest is a
+    /// process that got no processor.
+    pub(super) in_time_ms: f64,
+    /// The most that a cycle which began a stop came late, ms.
+    pub(super) late_ms: f64,
+}
+
+/// How often the arm held for want of fresh commands, and why.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Holds {
+    pub(super) count: usize,
+    /// Those before which the slave's own cycles did not come: it got no processor.
+    pub(super) starved: usize,
 }
 
 /// The cycle of the slave that is run here, seconds.
 const CYCLE_S: f64 = 0.001;
+
+/// The same in ms.
+const CYCLE_MS: f64 = CYCLE_S * 1e3;
+
+/// So long nothing fresh came before a hold, seconds.
+const STALE_S: f64 = 0.1;
+
+/// A slave whose cycles are missing for half of that time did not hear what came either.
+const STARVED_S: f64 = STALE_S / 2.0;
 
 /// Reads it. A line that was being written when the slave was killed is left out.
 ///
@@ -82,22 +104,42 @@ impl ArmRecord {
         self.0.iter().any(|row| row.state == "engaged" && row.age_ms.is_some())
     }
 
-    /// How often a hold began.
-    pub(super) fn holds(&self) -> usize {
-        self.left().filter(|row| row.state == "hold").count()
+    /// Each first cycle of a hold, and what it is explained by.
+    pub(super) fn holds(&self) -> Holds {
+        let mut holds = Holds::default();
+        for at in self.left().filter(|at| self.0[*at].state == "hold") {
+            holds.count += 1;
+            holds.starved += usize::from(self.missed_s(at) >= STARVED_S);
+        }
+        holds
+    }
+
+    /// How long cycles were missing within the time of a command before this one, seconds.
+    fn missed_s(&self, at: usize) -> f64 {
+        let since_s = self.0[at].t_s - STALE_S;
+        let pairs = self.0[..=at].windows(2).rev().take_while(|pair| pair[1].t_s >= since_s);
+        pairs.map(|pair| (pair[1].t_s - pair[0].t_s.max(since_s) - CYCLE_S).max(0.0)).sum()
     }
 
     pub(super) fn stops(&self) -> Stops {
-        self.left().filter_map(|row| row.age_ms).fold(Stops::default(), |stops, age_ms| Stops {
-            count: stops.count + 1,
-            latest_ms: stops.latest_ms.max(age_ms),
-        })
+        let mut stops = Stops::default();
+        for at in self.left() {
+            let Some(age_ms) = self.0[at].age_ms else { continue };
+            // both ages are counted at the cycle's own beginning; they differ by a cycle where it is in time
+            let before_ms = self.0[at - 1].age_ms.unwrap_or(age_ms);
+            let late_ms = (age_ms - before_ms - CYCLE_MS).max(0.0);
+            stops.count += 1;
+            stops.latest_ms = stops.latest_ms.max(age_ms);
+            stops.in_time_ms = stops.in_time_ms.max(age_ms - late_ms);
+            stops.late_ms = stops.late_ms.max(late_ms);
+        }
+        stops
     }
 
     /// Each first cycle in which the hand is not followed any more.
-    fn left(&self) -> impl Iterator<Item = &Row> {
-        let left = |pair: &&[Row]| pair[0].state == "engaged" && pair[1].state != "engaged";
-        self.0.windows(2).filter(left).map(|pair| &pair[1])
+    fn left(&self) -> impl Iterator<Item = usize> {
+        let left = |at: &usize| self.0[at - 1].state == "engaged" && self.0[*at].state != "engaged";
+        (1..self.0.len()).filter(left)
     }
 }
 
@@ -109,6 +151,39 @@ fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Cycles at these times, ms, each with its state and its command's age.
+    fn cycles(rows: &[(f64, &str, f64)]) -> ArmRecord {
+        let row = |(t_ms, state, age_ms): &(f64, &str, f64)| Row {
+            t_s: t_ms / 1e3,
+            state: (*state).to_owned(),
+            age_ms: Some(*age_ms),
+            tool_m: None,
+        };
+        ArmRecord(rows.iter().map(row).collect())
+    }
+
+    #[test]
+    fn a_stop_is_counted_without_what_its_cycle_was_late() {
+        let stops = cycles(&[(0.0, "engaged", 98.5), (7.5, "hold", 106.0)]).stops();
+        let told = [stops.latest_ms, stops.in_time_ms, stops.late_ms];
+        assert_eq!((stops.count, told), (1, [106.0, 99.5, 6.5]));
+        // the law itself is late
+        let stops = cycles(&[(0.0, "engaged", 103.0), (1.0, "hold", 104.0)]).stops();
+        assert_eq!([stops.in_time_ms, stops.late_ms], [104.0, 0.0]);
+    }
+
+    #[test]
+    fn a_hold_is_explained_where_cycles_were_missing() {
+        let mut rows: Vec<_> = (0..150).map(|ms| (f64::from(ms), "engaged", f64::from(ms))).collect();
+        rows.push((150.0, "hold", 100.0));
+        assert_eq!(cycles(&rows).holds(), Holds { count: 1, starved: 0 });
+        // what was missing long before is no reason
+        rows.drain(1..40);
+        assert_eq!(cycles(&rows).holds(), Holds { count: 1, starved: 0 });
+        rows.drain(20..80);
+        assert_eq!(cycles(&rows).holds(), Holds { count: 1, starved: 1 });
+    }
 
     #[test]
     fn stops_holds_and_the_way_are_told() {
@@ -131,7 +206,7 @@ mod tests {
             .into(),
         );
         let stops = record.stops();
-        assert_eq!((stops.count, record.holds(), record.followed()), (2, 1, true));
+        assert_eq!((stops.count, record.holds().count, record.followed()), (2, 1, true));
         assert!((stops.latest_ms - 99.5).abs() < 1e-9);
         assert!((record.way_m() - 0.0006).abs() < 1e-9 && (record.fastest_m_s() - 0.4).abs() < 1e-6);
     }

@@ -9,6 +9,7 @@
 //! | what is done to them, and has to be true: a run a file | `runs` |
 //! | datagrams that nobody asked for | `garbage` |
 //! | what the arm did, how long stages took, whether stations grow | `arm_record`, `delays`, `memory` |
+//! | when the operator had pictures | `pictures` |
 //!
 //! Like `verify` it knows `tetrad` as a program alone, and needs nothing but the standard library.
 
@@ -18,6 +19,7 @@ mod crew;
 mod delays;
 mod garbage;
 mod memory;
+mod pictures;
 mod runs;
 mod station;
 

@@ -6,6 +6,7 @@ use crate::stations::cell::Cell;
 use crate::stations::crew::{Others, operator, well};
 use crate::stations::delays::p99_ms;
 use crate::stations::garbage;
+use crate::stations::pictures::pauses;
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -15,6 +16,10 @@ const GARBAGE: u64 = 10_000_000;
 
 /// What garbage may delay motion by, ms: the 99th percentile of the motions that came.
 const FLOODED_MS: f64 = 10.0;
+
+/// An operator that has no picture for so long sends nothing that is fresh, seconds: an arm that holds has
+/// not heard for 0.1 s, and a picture is on its way for some ms.
+const PAUSE_S: f64 = 0.08;
 
 /// The longest it may take.
 const LONGEST: Duration = Duration::from_secs(600);
@@ -62,7 +67,16 @@ pub(super) fn run(cell: &Cell, length: Duration) -> Result<String, String> {
             return Err(format!("motion was delayed: {stage} p99 {p99_ms:.1} ms\n{report}"));
         }
     }
-    let held = arm.holds();
-    let _ = writeln!(report, "the arm held {held} times for want of fresh commands");
+    let holds = arm.holds();
+    let unsent = pauses(&cell.out("operator"), PAUSE_S)?;
+    let _ = writeln!(
+        report,
+        "the arm held {} times for want of fresh commands: {} times the slave's own cycles did not come, {unsent} \
+         times the operator had no picture",
+        holds.count, holds.starved
+    );
+    if holds.count > holds.starved + unsent {
+        return Err(format!("garbage held up the arm: what was sent did not come\n{report}"));
+    }
     Ok(report)
 }
