@@ -18,6 +18,8 @@ pub mod lateness;
 
 pub(crate) mod query;
 
+mod serial;
+
 pub mod set_point;
 
 pub(crate) mod start;

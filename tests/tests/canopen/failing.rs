@@ -75,6 +75,16 @@ fn a_bus_without_drives_is_told_from_a_missing_node() {
 }
 
 #[test]
+fn a_line_at_the_wrong_speed_is_told_from_a_bus_without_drives() {
+    let mut bench = Bench::new(&CanopenConfig::default());
+    bench.cut = true;
+    bench.master.hear_garbage(12_345);
+    bench.until(PortStatus::Lost);
+    let reason = "no drive answers, and 12345 bytes came that are no CAN frames; check `baud`";
+    assert!(bench.reason().starts_with(reason), "{}", bench.reason());
+}
+
+#[test]
 fn a_node_that_falls_silent_in_motion_stops_the_others() {
     let mut bench = Bench::ready();
     bench.drive_on(2, -90, 20);
@@ -85,6 +95,13 @@ fn a_node_that_falls_silent_in_motion_stops_the_others() {
     assert_eq!(bench.master.status(), PortStatus::Lost);
     assert!(bench.reason().starts_with("the drive of joint 6 (node 6) does not answer"));
     bench.assert_others_stop(Some(5));
+    assert!(bench.master.is_partly_lost());
+    bench.steps(20);
+    let reason = bench.master.reason().unwrap();
+    assert!(
+        reason.contains("; stopped: joints 1, 2, 3, 4, 5; not known to have stopped: joint 6, "),
+        "{reason}"
+    );
 }
 
 /// The master cannot tell them: they watch its heartbeat themselves.

@@ -209,6 +209,26 @@ fn a_new_fault_is_not_reset_before_it_can_have_been_read() {
     wait_for("the arm", || port.status() == PortStatus::Ready);
 }
 
+/// One drive is gone, not the controller: the others are read and told to stop.
+#[test]
+fn with_one_drive_silent_the_others_are_stopped_and_it_says_which() {
+    let (fleet, mut port) = ready();
+    set_points(&mut port, &START, 5);
+    fleet.with(|drives| drives[2].faults.dead = true);
+    wait_for("the loss", || {
+        // without set-points it would stop for that
+        let _ = port.read_joints().and_then(|reading| port.write_set_point(&reading.joints));
+        port.status() == PortStatus::Lost
+    });
+    assert_eq!(port.stop(), Ok(()));
+    assert!(port.read_joints().is_ok());
+    wait_for("who obeyed", || {
+        port.reason().is_some_and(|reason| {
+            reason.contains("stopped: joints 1, 2, 4, 5, 6; not known to have stopped: joint 3,")
+        })
+    });
+}
+
 #[test]
 fn an_adapter_that_is_pulled_is_a_loss_and_enabling_tries_to_open_it_again() {
     let (fleet, mut port) = ready();

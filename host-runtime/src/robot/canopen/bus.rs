@@ -30,11 +30,16 @@ pub trait Transmit: Send {
 
 /// The half that receives.
 pub trait Receive: Send {
-    /// The next frame, waiting at most about `within`; `None` when none came.
+    /// The next frame, waiting at most about `within` whatever else comes; `None` when no frame came.
     ///
     /// # Errors
     /// What makes the bus unusable.
     fn receive(&mut self, within: Duration) -> io::Result<Option<Frame>>;
+
+    /// How many bytes came so far that belong to no frame: of a serial line at the wrong speed, for one.
+    fn garbage(&self) -> u64 {
+        0
+    }
 }
 
 /// Both halves.

@@ -105,6 +105,8 @@ pub enum Cause {
     Silent(DriveName),
     /// No drive answers.
     AllSilent,
+    /// No drive answers, and so many bytes came that belong to no frame.
+    Garbled(u64),
     /// A drive was switched off and on, or reset.
     Restarted(DriveName),
     /// The bus cannot be used: what the system said.
@@ -140,7 +142,9 @@ impl Cause {
             Self::NotADrive(drive, _) | Self::OtherVendor(drive, _) => fault(drive, code::OTHER_DEVICE),
             Self::OtherMode(drive, _) => fault(drive, code::OTHER_MODE),
             Self::OtherMaster(_) => PortStatus::Fault(PortFault { joint: None, code: code::OTHER_MASTER }),
-            Self::Silent(_) | Self::AllSilent | Self::Restarted(_) | Self::Bus(_) => PortStatus::Lost,
+            Self::Silent(_) | Self::AllSilent | Self::Garbled(_) | Self::Restarted(_) | Self::Bus(_) => {
+                PortStatus::Lost
+            }
         }
     }
 
@@ -205,6 +209,11 @@ impl fmt::Display for Cause {
             ),
             Self::AllSilent => f.write_str(
                 "no drive answers; check the bus cable, its terminators, the bit rate and the drives' power, then enable",
+            ),
+            Self::Garbled(bytes) => write!(
+                f,
+                "no drive answers, and {bytes} bytes came that are no CAN frames; check `baud` in the adapter's \
+                 address, that it is set to SLCAN, and its cable, then enable"
             ),
             Self::Restarted(drive) => {
                 write!(f, "{drive} was restarted; check its supply, then enable")

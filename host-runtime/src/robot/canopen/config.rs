@@ -56,6 +56,10 @@ pub struct CanopenConfig {
     pub enable_timeout_ms: u32,
 }
 
+/// The longest until a loss is noticed that a station's file may ask for, milliseconds: about the time in
+/// which somebody at the emergency stop would notice.
+const MAX_WATCH_MS: u64 = 1_000;
+
 impl Default for CanopenConfig {
     fn default() -> Self {
         let drives = DrivesConfig::default();
@@ -104,6 +108,17 @@ pub enum CanopenConfigError {
     /// Times.
     #[error("listen_ms, sdo_timeout_ms and enable_timeout_ms must be between 10 and 60000")]
     Times,
+    /// Watches that take too long.
+    #[error(
+        "{key}: that is {ms} ms until a loss is noticed, in which nobody holds the arm: give so much that it is at \
+         most 1000 ms"
+    )]
+    Slow {
+        /// Its key.
+        key: &'static str,
+        /// How long it takes, milliseconds.
+        ms: u64,
+    },
     /// Counts or coupling.
     #[error("counts_per_rad and coupling: {0}")]
     Drives(#[from] DrivesConfigError),
@@ -127,6 +142,24 @@ impl CanopenConfig {
         f64::from(self.period_us) / 1e6
     }
 
+    /// Whether every loss is noticed within a second: no one, then, is at the arm's controls for longer.
+    /// What a station's file has to keep; drives that a program simulates may be given more time.
+    ///
+    /// # Errors
+    /// [`CanopenConfigError::Slow`]
+    pub fn check_watches(&self) -> Result<(), CanopenConfigError> {
+        let of = |cycles: u32| u64::from(cycles) * u64::from(self.period_us) / 1_000;
+        let watches = [
+            ("missing_cycles (times period_us)", of(self.missing_cycles)),
+            ("watchdog_cycles (times period_us)", of(self.watchdog_cycles)),
+            ("heartbeat_timeout_ms", u64::from(self.heartbeat_timeout_ms)),
+        ];
+        match watches.into_iter().find(|(_, ms)| *ms > MAX_WATCH_MS) {
+            Some((key, ms)) => Err(CanopenConfigError::Slow { key, ms }),
+            None => Ok(()),
+        }
+    }
+
     /// Whether every setting can be worked with.
     ///
     /// # Errors
@@ -147,7 +180,7 @@ impl CanopenConfig {
         {
             return Err(CanopenConfigError::HomingBit);
         }
-        if self.heartbeat_ms < 10 || self.heartbeat_timeout_ms < self.heartbeat_ms.saturating_mul(2) {
+        if self.heartbeat_ms < 10 || u32::from(self.heartbeat_timeout_ms) < 2 * u32::from(self.heartbeat_ms) {
             return Err(CanopenConfigError::Heartbeat);
         }
         if ![self.missing_cycles, self.watchdog_cycles].iter().all(|cycles| (1..=1_000).contains(cycles)) {
@@ -184,6 +217,25 @@ mod tests {
     }
 
     #[test]
+    fn watches_of_more_than_a_second_are_named_with_the_time_they_take() {
+        let slow = |change: &dyn Fn(&mut CanopenConfig)| {
+            let mut config = CanopenConfig { period_us: 100_000, ..CanopenConfig::default() };
+            assert_eq!(config.check_watches(), Ok(()), "the defaults, at any period");
+            change(&mut config);
+            assert_eq!(config.check(), Ok(()));
+            config.check_watches().unwrap_err().to_string()
+        };
+        let problem = slow(&|c| c.watchdog_cycles = 1_000);
+        assert!(problem.starts_with("watchdog_cycles (times period_us): that is 100000 ms"), "{problem}");
+        assert!(
+            slow(&|c| c.missing_cycles = 11).starts_with("missing_cycles (times period_us): that is 1100 ms")
+        );
+        assert!(
+            slow(&|c| c.heartbeat_timeout_ms = 1_001).starts_with("heartbeat_timeout_ms: that is 1001 ms")
+        );
+    }
+
+    #[test]
     fn what_cannot_be_worked_with_is_named_by_its_key() {
         let with = |change: &dyn Fn(&mut CanopenConfig)| {
             let mut config = CanopenConfig::default();
@@ -196,6 +248,8 @@ mod tests {
         assert!(with(&|c| c.period_us = 10_050).starts_with("period_us"));
         assert!(with(&|c| c.homing = Homing::StatusBit(3)).starts_with("homing"));
         assert!(with(&|c| c.heartbeat_timeout_ms = 60).starts_with("heartbeat_timeout_ms"));
+        let saturated = |c: &mut CanopenConfig| (c.heartbeat_ms, c.heartbeat_timeout_ms) = (40_000, u16::MAX);
+        assert!(with(&saturated).starts_with("heartbeat_timeout_ms"));
         assert!(with(&|c| c.watchdog_cycles = 0).contains("watchdog_cycles"));
         assert!(with(&|c| c.step_margin = f64::NAN).starts_with("step_margin"));
         assert!(with(&|c| c.listen_ms = 0).starts_with("listen_ms"));

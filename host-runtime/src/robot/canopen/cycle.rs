@@ -19,8 +19,8 @@ use super::frame::Frame;
 use super::master::{Counters, Master};
 use crate::robot::lateness::Lateness;
 use std::io;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -29,6 +29,10 @@ use tetrad_core::arm::puma560::Counts;
 
 /// How long the reader waits before it looks whether it is still wanted.
 const READ_WITHIN: Duration = Duration::from_millis(50);
+
+/// The most frames that wait for the cycle thread: 0.2 s of a full bus at 1 Mbit/s. Only a bus that is no
+/// CAN bus brings more.
+const BACKLOG: usize = 4_096;
 
 /// Cycles in which the drives are told to stop when the port is closed: one may go astray.
 const LAST_CYCLES: u32 = 3;
@@ -53,12 +57,18 @@ pub(super) struct Shared {
     /// When the status last became another.
     pub(super) changed: Option<Instant>,
     pub(super) reason: Option<String>,
+    /// Of a lost arm: whether drives are left that hear what they are told.
+    pub(super) reachable: bool,
     /// Where the drives were when they became ready, until the port has taken it.
     pub(super) start: Option<Counts>,
     /// Positions, and when the oldest came.
     pub(super) positions: Option<(Counts, Instant)>,
     pub(super) counters: Counters,
     pub(super) unsent: u64,
+    /// Frames for which there was no room.
+    pub(super) crowded_out: u64,
+    /// Bytes since the bus was opened that belong to no frame.
+    pub(super) garbage: u64,
     pub(super) lateness: Lateness,
     /// Cycles that took what there was, counting and wrapping.
     pub(super) beats: u64,
@@ -119,16 +129,24 @@ struct Line {
     frames: Receiver<io::Result<Frame>>,
     reader: Option<JoinHandle<()>>,
     wanted: Arc<AtomicBool>,
+    /// Bytes that belong to no frame.
+    garbage: Arc<AtomicU64>,
 }
 
 impl Line {
     fn new(bus: Bus, link: &Link) -> io::Result<Self> {
-        let (sender, frames) = channel();
+        let (sender, frames) = sync_channel(BACKLOG);
         let wanted = Arc::new(AtomicBool::new(true));
-        let (receive, still_wanted, link) = (bus.receive, Arc::clone(&wanted), link.clone());
-        let read = move || read(receive, &sender, &still_wanted, &link);
-        let reader = Some(thread::Builder::new().name("canopen-read".to_owned()).spawn(read)?);
-        Ok(Self { transmit: bus.transmit, frames, reader, wanted })
+        let garbage = Arc::new(AtomicU64::new(0));
+        let reader = Reader {
+            receive: bus.receive,
+            frames: sender,
+            wanted: Arc::clone(&wanted),
+            garbage: Arc::clone(&garbage),
+            link: link.clone(),
+        };
+        let thread = thread::Builder::new().name("canopen-read".to_owned()).spawn(move || reader.run())?;
+        Ok(Self { transmit: bus.transmit, frames, reader: Some(thread), wanted, garbage })
     }
 }
 
@@ -142,19 +160,33 @@ impl Drop for Line {
     }
 }
 
-fn read(mut receive: Box<dyn Receive>, frames: &Sender<io::Result<Frame>>, wanted: &AtomicBool, link: &Link) {
-    while wanted.load(Ordering::Relaxed) && !link.has_ended() {
-        let sent = match receive.receive(READ_WITHIN) {
-            Ok(None) => continue,
-            Ok(Some(frame)) => frames.send(Ok(frame)),
-            Err(error) => {
-                // the cycle thread lets go of the line when it sees this; if it has, nobody minds
-                let _ = frames.send(Err(error));
-                return;
+/// The reader thread's own.
+struct Reader {
+    receive: Box<dyn Receive>,
+    frames: SyncSender<io::Result<Frame>>,
+    wanted: Arc<AtomicBool>,
+    garbage: Arc<AtomicU64>,
+    link: Link,
+}
+
+impl Reader {
+    fn run(mut self) {
+        while self.wanted.load(Ordering::Relaxed) && !self.link.has_ended() {
+            let received = self.receive.receive(READ_WITHIN);
+            self.garbage.store(self.receive.garbage(), Ordering::Relaxed);
+            match received {
+                Ok(None) => {}
+                Ok(Some(frame)) => match self.frames.try_send(Ok(frame)) {
+                    Ok(()) => {}
+                    Err(TrySendError::Full(_)) => self.link.lock().crowded_out += 1,
+                    Err(TrySendError::Disconnected(_)) => return,
+                },
+                Err(error) => {
+                    // the cycle thread lets go of the line when it sees this, or that nobody sends any more
+                    let _ = self.frames.try_send(Err(error));
+                    return;
+                }
             }
-        };
-        if sent.is_err() {
-            return;
         }
     }
 }
@@ -194,9 +226,17 @@ impl Cycle {
     }
 
     fn listen_until(&mut self, deadline: Instant) {
+        // what had come by the deadline is taken, not what goes on coming
+        let mut late = 0;
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
             let Some(line) = &self.line else { return thread::sleep(left) };
+            if left.is_zero() {
+                late += 1;
+                if late > BACKLOG {
+                    return;
+                }
+            }
             let heard = line.frames.recv_timeout(left);
             match heard {
                 Ok(Ok(frame)) => {
@@ -238,6 +278,10 @@ impl Cycle {
         if let Some(counts) = shared.set_point.take() {
             self.master.set_point(counts);
         }
+        if let Some(line) = &self.line {
+            shared.garbage = line.garbage.load(Ordering::Relaxed);
+            self.master.hear_garbage(shared.garbage);
+        }
         // under the same lock: whoever writes knows which cycle is the next to take it
         shared.beats = shared.beats.wrapping_add(1);
         self.master.cycle(now_us, out);
@@ -261,7 +305,8 @@ impl Cycle {
         if shared.request.is_none() {
             shared.status = status;
         }
-        let reason = self.master.cause().map(ToString::to_string);
+        shared.reachable = self.line.is_some() && self.master.is_partly_lost();
+        let reason = self.master.reason();
         if shared.reason != reason {
             shared.reason = reason;
         }

@@ -27,6 +27,9 @@ use tetrad_core::config::{JOINTS, PumaConfig};
 /// comes a cycle late and the next one then make one step of two.
 const STEP_SHARE: f64 = 1.2;
 
+/// After how long a drive that was told to stop has confirmed it or does not, microseconds.
+const OBEYED_US: u64 = 100_000;
+
 /// Heartbeat byte of an operational node.
 const OPERATIONAL: u8 = 5;
 
@@ -75,6 +78,10 @@ pub struct Master {
     goal: Counts,
     without_set_point: u32,
     counters: Counters,
+    /// Bytes on the line that belong to no frame.
+    garbage: u64,
+    /// Which drives obeyed the last stop, where not all did.
+    obeyed: Option<String>,
 }
 
 impl Master {
@@ -106,6 +113,8 @@ impl Master {
             goal: [0; JOINTS],
             without_set_point: 0,
             counters: Counters::default(),
+            garbage: 0,
+            obeyed: None,
         })
     }
 
@@ -183,6 +192,16 @@ impl Master {
         self.cause.as_ref()
     }
 
+    /// Why it was stopped and, where drives did not confirm it, which did: what the operator reads.
+    #[must_use]
+    pub fn reason(&self) -> Option<String> {
+        let cause = self.cause.as_ref()?;
+        Some(match &self.obeyed {
+            Some(obeyed) => format!("{cause}; {obeyed}"),
+            None => cause.to_string(),
+        })
+    }
+
     /// Where the drives are, and when the oldest of these positions came.
     #[must_use]
     pub fn positions(&self) -> Option<(Counts, u64)> {
@@ -247,6 +266,11 @@ impl Master {
         }
     }
 
+    /// So many bytes since the bus was opened belong to no frame.
+    pub const fn hear_garbage(&mut self, bytes: u64) {
+        self.garbage = bytes;
+    }
+
     // ---- the cycle
 
     /// Ends the cycle that is over, decides, and gives the frames that begin the next one.
@@ -273,7 +297,12 @@ impl Master {
             Phase::Idle => self.idle(),
             Phase::Enabling => self.enabling(in_phase_us),
             Phase::Running => self.running(),
-            Phase::Stopped => self.stopped(),
+            Phase::Stopped => {
+                self.stopped();
+                if in_phase_us >= OBEYED_US && self.operational && self.obeyed.is_none() {
+                    self.obeyed = self.obedience();
+                }
+            }
         }
         self.emit(now_us, out);
     }
@@ -289,6 +318,7 @@ impl Master {
     fn enter(&mut self, phase: Phase) {
         self.phase = phase;
         self.since_us = None;
+        self.obeyed = None;
     }
 
     fn emit(&mut self, now_us: u64, out: &mut Vec<Frame>) {

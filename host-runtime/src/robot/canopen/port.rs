@@ -89,7 +89,7 @@ impl CanopenPort {
 impl RobotPort<f64> for CanopenPort {
     fn read_joints(&mut self) -> Result<JointReading<f64>, PortError> {
         let shared = self.link.lock();
-        if shared.status == PortStatus::Lost {
+        if shared.status == PortStatus::Lost && !shared.reachable {
             return Err(PortError::Lost);
         }
         let (counts, at) = shared.positions.ok_or(PortError::NotMeasured)?;
@@ -134,6 +134,8 @@ impl RobotPort<f64> for CanopenPort {
         shared.set_point = None;
         shared.request = Some(Request::Stop);
         match shared.status {
+            // every drive is being told; the reason says which of them obeyed
+            PortStatus::Lost if shared.reachable => {}
             PortStatus::Lost => return Err(PortError::Lost),
             PortStatus::Ready | PortStatus::Enabling => shared.status = PortStatus::Stopped,
             _ => {}
@@ -164,14 +166,27 @@ impl Robot for CanopenPort {
     fn report(&self) -> Vec<String> {
         let shared = self.link.lock();
         let Counters { cycles, incomplete, stale_answers, emergencies, set_points } = shared.counters;
-        vec![
+        let mut lines = vec![
             format!("CANopen: {cycles} cycles, {set_points} set-points sent, {}", shared.lateness),
             format!(
                 "CANopen: {incomplete} cycles without every drive's answer, {} frames the bus did not take, \
                  {emergencies} emergencies, {stale_answers} SDO answers out of turn",
                 shared.unsent
             ),
-        ]
+        ];
+        if shared.garbage > 0 {
+            lines.push(format!(
+                "CANopen: {} bytes that are no CAN frames; where they go on, check `baud` in the adapter's address",
+                shared.garbage
+            ));
+        }
+        if shared.crowded_out > 0 {
+            lines.push(format!(
+                "CANopen: {} frames more than a bus can bring were left out; check what is at the adapter's port",
+                shared.crowded_out
+            ));
+        }
+        lines
     }
 }
 

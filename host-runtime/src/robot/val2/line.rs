@@ -5,7 +5,8 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use serialport::{ClearBuffer, DataBits, FlowControl, Parity, SerialPort, StopBits};
+use crate::robot::serial;
+use serialport::{ClearBuffer, SerialPort};
 
 /// How long a read waits for the first byte: what a set-point may wait before it is sent.
 const PATIENCE: Duration = Duration::from_millis(5);
@@ -21,14 +22,7 @@ impl Line {
     /// # Errors
     /// What the system says.
     pub(super) fn open(device: &str, baud: u32) -> Result<Self, serialport::Error> {
-        let port = serialport::new(device, baud)
-            .data_bits(DataBits::Eight)
-            .parity(Parity::None)
-            .stop_bits(StopBits::One)
-            .flow_control(FlowControl::None)
-            .timeout(PATIENCE)
-            .open()?;
-        Ok(Self { port })
+        Ok(Self { port: serial::open(device, baud, PATIENCE)? })
     }
 
     /// Drops what came while nobody listened.
@@ -47,7 +41,7 @@ impl Line {
         match self.port.read(buffer) {
             Ok(0) => Err(ErrorKind::UnexpectedEof.into()),
             Ok(count) => Ok(count),
-            Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => Ok(0),
+            Err(error) if is_passing(error.kind()) => Ok(0),
             Err(error) => Err(error),
         }
     }
@@ -60,16 +54,23 @@ impl Line {
         let mut rest = text.as_bytes();
         let given_up = Instant::now() + Duration::from_secs(1);
         while !rest.is_empty() {
-            match self.port.write(rest) {
-                Ok(count) => rest = &rest[count..],
-                Err(error)
-                    if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted)
-                        && Instant::now() < given_up => {}
+            let written = match self.port.write(rest) {
+                Ok(0) => Err(ErrorKind::TimedOut.into()),
+                written => written,
+            };
+            match written {
+                Ok(count) => rest = rest.get(count..).unwrap_or_default(),
+                Err(error) if is_passing(error.kind()) && Instant::now() < given_up => {}
                 Err(error) => return Err(error),
             }
         }
         Ok(())
     }
+}
+
+/// Whether it may be tried again: the line has nothing, takes nothing now, or a signal came.
+const fn is_passing(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }
 
 /// What was sent and received, one line a piece: seconds, `>` sent or `<` received, the bytes.

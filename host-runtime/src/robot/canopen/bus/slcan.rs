@@ -7,9 +7,10 @@
 
 use super::super::frame::{Frame, MAX_DATA};
 use super::{Bus, Receive, Transmit};
+use crate::robot::serial;
 use serialport::{ClearBuffer, SerialPort};
 use std::io::{self, Read as _, Write as _};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The longest line that means something: an extended frame with a time stamp.
 const MAX_LINE: usize = 1 + 8 + 1 + 2 * MAX_DATA + 4;
@@ -50,6 +51,7 @@ pub fn encode(frame: &Frame, line: &mut Vec<u8>) {
 pub struct Decoder {
     line: Vec<u8>,
     overlong: bool,
+    garbage: u64,
 }
 
 impl Decoder {
@@ -58,6 +60,9 @@ impl Decoder {
         match byte {
             b'\r' => {
                 let line = if self.overlong { Line::Garbage } else { parse(&self.line) };
+                if line == Line::Garbage {
+                    self.garbage += self.line.len() as u64;
+                }
                 self.line.clear();
                 self.overlong = false;
                 Some(line)
@@ -66,6 +71,7 @@ impl Decoder {
             0x07 => None,
             _ if self.line.len() == MAX_LINE => {
                 self.overlong = true;
+                self.garbage += 1;
                 None
             }
             _ => {
@@ -73,6 +79,13 @@ impl Decoder {
                 None
             }
         }
+    }
+
+    /// How many bytes belonged to no line of the protocol; those of a line that has not ended count from
+    /// where it is too long to be one.
+    #[must_use]
+    pub const fn garbage(&self) -> u64 {
+        self.garbage
     }
 }
 
@@ -147,7 +160,7 @@ pub fn open(path: &str, baud: u32, bitrate: u32) -> io::Result<Bus> {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
         }
     };
-    let mut port = serialport::new(path, baud).timeout(WRITE_WITHIN).open()?;
+    let mut port = serial::open(path, baud, WRITE_WITHIN)?;
     let reader = port.try_clone()?;
     // an adapter may have been left open, inside a line
     port.write_all(&[b'\r', b'\r', b'C', b'\r', b'S', speed, b'\r', b'O', b'\r'])?;
@@ -192,85 +205,51 @@ impl Drop for Out {
     }
 }
 
+impl In {
+    /// The next frame among the bytes that have been read.
+    fn decode(&mut self) -> Option<Frame> {
+        while self.taken < self.filled {
+            let byte = self.bytes[self.taken];
+            self.taken += 1;
+            if let Some(Line::Frame(frame)) = self.decoder.push(byte) {
+                return Some(frame);
+            }
+        }
+        None
+    }
+}
+
 impl Receive for In {
     fn receive(&mut self, within: Duration) -> io::Result<Option<Frame>> {
+        let deadline = Instant::now() + within;
         loop {
-            while self.taken < self.filled {
-                let byte = self.bytes[self.taken];
-                self.taken += 1;
-                if let Some(Line::Frame(frame)) = self.decoder.push(byte) {
-                    return Ok(Some(frame));
-                }
+            if let Some(frame) = self.decode() {
+                return Ok(Some(frame));
             }
-            if self.port.timeout() != within {
-                self.port.set_timeout(within)?;
-            }
+            // an adapter at the wrong baud may send for ever what is no frame
+            let left = deadline.saturating_duration_since(Instant::now());
+            self.port.set_timeout(left)?;
             self.taken = 0;
             self.filled = 0;
             match self.port.read(&mut self.bytes) {
                 Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
                 Ok(read) => self.filled = read,
-                Err(error) if error.kind() == io::ErrorKind::TimedOut => return Ok(None),
+                Err(error) if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock) => {
+                    return Ok(None);
+                }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) => return Err(error),
             }
+            if left.is_zero() {
+                return Ok(self.decode());
+            }
         }
+    }
+
+    fn garbage(&self) -> u64 {
+        self.decoder.garbage()
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn decoded(bytes: &[u8]) -> Vec<Line> {
-        let mut decoder = Decoder::default();
-        bytes.iter().filter_map(|byte| decoder.push(*byte)).collect()
-    }
-
-    fn frame(id: u16, data: &[u8]) -> Frame {
-        Frame::new(id, data).unwrap()
-    }
-
-    #[test]
-    fn a_frame_is_the_line_that_python_can_writes() {
-        let mut line = Vec::new();
-        encode(&frame(0x205, &[0x0F, 0x00]), &mut line);
-        assert_eq!(line, b"t20520F00\r");
-    }
-
-    #[test]
-    fn lines_come_back_as_frames_in_any_pieces() {
-        let frames = [frame(0x080, &[]), frame(0x7FF, &[0xFF; 8]), frame(0x181, &[0x37, 0x02, 1, 2, 3, 4])];
-        let mut line = Vec::new();
-        for frame in &frames {
-            encode(frame, &mut line);
-        }
-        assert_eq!(decoded(&line), frames.map(Line::Frame));
-    }
-
-    #[test]
-    fn what_adapters_say_beside_frames_is_passed_over() {
-        let mut lines = decoded(b"\rz\r\x07V1013\rt08001A2B\rT000001238\rt1");
-        assert_eq!(lines.remove(4), Line::Other);
-        assert_eq!(lines, [Line::Other, Line::Other, Line::Other, Line::Frame(frame(0x080, &[]))]);
-    }
-
-    #[test]
-    fn garbage_is_told_from_frames() {
-        for text in
-            ["t0801\r", "tXYZ0\r", "t0809112233445566778899\r", "t08001\r", "t8000\r", "hello\r", "t\r"]
-        {
-            assert_eq!(decoded(text.as_bytes()), [Line::Garbage], "{text:?}");
-        }
-        let mut long = vec![b't'; 500];
-        long.push(b'\r');
-        long.extend_from_slice(b"t0800\r");
-        assert_eq!(decoded(&long), [Line::Garbage, Line::Frame(frame(0x080, &[]))]);
-    }
-
-    #[test]
-    fn a_bit_rate_without_a_letter_is_refused_before_the_port_is_touched() {
-        let error = open("/dev/null", 115_200, 666).err().unwrap();
-        assert!(error.to_string().starts_with("666 bit/s"), "{error}");
-    }
-}
+mod tests;

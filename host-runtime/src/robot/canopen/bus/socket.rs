@@ -63,10 +63,24 @@ impl Receive for In {
                 "the CAN controller left the bus (bus-off); check terminators, wiring and bit rate",
             )),
             Ok(_) => Ok(None),
-            Err(error) if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock) => {
-                Ok(None)
-            }
+            Err(error) if is_passing(error.kind()) => Ok(None),
             Err(error) => Err(error),
         }
+    }
+}
+
+/// Whether reading may go on: nothing came, or a signal to this program came before any frame.
+const fn is_passing(kind: io::ErrorKind) -> bool {
+    matches!(kind, io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_signal_does_not_make_the_bus_unusable() {
+        assert!(is_passing(io::ErrorKind::Interrupted) && is_passing(io::ErrorKind::TimedOut));
+        assert!(!is_passing(io::ErrorKind::NetworkDown));
     }
 }

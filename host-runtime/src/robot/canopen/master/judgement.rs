@@ -9,6 +9,10 @@ use crate::robot::canopen::node::Node;
 /// Between the end of the set-up and the first answer to SYNC a drive may take its time: cycles.
 const FIRST_ANSWER_CYCLES: u32 = 100;
 
+/// Bytes that belong to no frame and need no explanation: an adapter that was open already begins inside
+/// a line.
+const TORN_BYTES: u64 = 30;
+
 impl Master {
     /// What only a master sends: no bus gives back our own frames.
     pub(super) fn foreign(&self, frame: &Frame) -> Option<Foreign> {
@@ -32,9 +36,41 @@ impl Master {
             false => node.nmt.is_none(),
         };
         match cause {
-            Cause::Silent(_) if self.nodes.iter().all(unheard) => Cause::AllSilent,
+            Cause::Silent(_) if self.nodes.iter().all(unheard) => match self.garbage {
+                ..=TORN_BYTES => Cause::AllSilent,
+                bytes => Cause::Garbled(bytes),
+            },
             cause => cause,
         }
+    }
+
+    /// Whether a drive is lost and others are not: they hear what they are told.
+    pub fn is_partly_lost(&self) -> bool {
+        self.operational
+            && matches!(self.cause, Some(Cause::Silent(_) | Cause::Restarted(_)))
+            && self.nodes.iter().any(|node| node.missing == 0)
+    }
+
+    /// Which drives confirmed that they were stopped; `None` where all did or none can be heard.
+    pub(super) fn obedience(&self) -> Option<String> {
+        let obeys = |node: &&Node| {
+            node.missing == 0 && node.state().is_some_and(|state| state != State::OperationEnabled)
+        };
+        let (stopped, other): (Vec<_>, Vec<_>) = self.nodes.iter().partition(obeys);
+        if stopped.is_empty() || other.is_empty() {
+            return None;
+        }
+        let joints = |nodes: &[&Node]| {
+            let numbers: Vec<_> = nodes.iter().map(|node| node.name.joint.to_string()).collect();
+            let plural = if numbers.len() > 1 { "s" } else { "" };
+            format!("joint{plural} {}", numbers.join(", "))
+        };
+        Some(format!(
+            "stopped: {}; not known to have stopped: {}, which only its drive's own watch or the emergency \
+             stop can stop",
+            joints(&stopped),
+            joints(&other)
+        ))
     }
 
     /// Cycles that a drive may go without an answer.
