@@ -1,7 +1,7 @@
 //! No arm at all: every set-point goes to a CSV file, and the joints are at once where they are sent.
 //!
 //! The file has the columns `t,q1..q6` (seconds since the port was opened, radians) and can be given to
-//! `tetrad arm fk`. A port that is stricter than some arms: it refuses what breaks the contract of
+//! `tetrad arm fk`. Only what an earlier dry run recorded is written over. A port that is stricter than some arms: it refuses what breaks the contract of
 //! [`tetrad_core::arm::port`], so that a dry run tells whether a station keeps it.
 
 use super::Robot;
@@ -9,16 +9,52 @@ use super::clock::Clock;
 use super::set_point::SetPointGate;
 use super::start::start_joints;
 use crate::output::{CsvFile, OutputError};
-use std::path::Path;
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
 use tetrad_core::arm::port::{JointReading, PortError, PortStatus, RobotPort};
 use tetrad_core::arm::puma560::Joints;
 use tetrad_core::config::PumaConfig;
 
-/// How long it goes without a set-point before it says so, microseconds: 100 ms as for commands.
+/// How long it goes without a set-point before it says so, microseconds: 100 ms as for commands, or two
+/// cycles where those are longer.
 const WATCHDOG_US: u64 = 100_000;
 
-/// The cycle that set-points are expected in, seconds: 100 Hz.
-const CYCLE_S: f64 = 0.01;
+/// The first line of the file.
+const HEADER: &str = "t,q1,q2,q3,q4,q5,q6";
+
+/// Why a dry run cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum DryRunError {
+    /// There is a file of something else.
+    #[error(
+        "{} is there and no dry run's record (its first line would be {HEADER}): it is left as it is; name \
+         another file, or take it away first",
+        file.display()
+    )]
+    NotOurs {
+        /// The file.
+        file: PathBuf,
+    },
+    /// The folder is missing.
+    #[error("there is no folder {}: make it first, or name a file elsewhere", folder.display())]
+    NoFolder {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// It cannot be looked into.
+    #[error("cannot read {}, to see whether it may be written over; name another file", file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// What the system said.
+        #[source]
+        cause: io::Error,
+    },
+    /// It cannot be written.
+    #[error(transparent)]
+    Unwritten(#[from] OutputError),
+}
 
 /// The port.
 #[derive(Debug)]
@@ -29,34 +65,68 @@ pub struct DryRun {
     joints: Joints<f64>,
     status: PortStatus,
     last_us: u64,
+    watchdog_us: u64,
     written: u64,
     reason: Option<String>,
 }
 
 impl DryRun {
-    /// Makes (or empties) the file. The joints stand where the simulated arm's do.
+    /// Makes the file, or writes over an earlier record, for a set-point every `cycle_us` microseconds.
+    /// The joints stand where the simulated arm's do.
     ///
     /// # Errors
-    /// [`OutputError`] when the file cannot be written.
-    pub fn create(file: &Path, puma: &PumaConfig) -> Result<Self, OutputError> {
-        Self::with_clock(file, puma, Clock::wall())
+    /// [`DryRunError`] when the file is of something else or cannot be written.
+    pub fn create(file: &Path, puma: &PumaConfig, cycle_us: u32) -> Result<Self, DryRunError> {
+        Self::with_clock(file, puma, cycle_us, Clock::wall())
     }
 
     /// The same by another clock.
     ///
     /// # Errors
-    /// [`OutputError`] when the file cannot be written.
-    pub fn with_clock(file: &Path, puma: &PumaConfig, clock: Clock) -> Result<Self, OutputError> {
+    /// [`DryRunError`] when the file is of something else or cannot be written.
+    pub fn with_clock(
+        file: &Path,
+        puma: &PumaConfig,
+        cycle_us: u32,
+        clock: Clock,
+    ) -> Result<Self, DryRunError> {
+        look_before(file)?;
         Ok(Self {
-            file: CsvFile::create(Path::new(""), file, "t,q1,q2,q3,q4,q5,q6")?,
+            file: CsvFile::create(Path::new(""), file, HEADER)?,
+            watchdog_us: WATCHDOG_US.max(2 * u64::from(cycle_us)),
+            gate: SetPointGate::new(puma, f64::from(cycle_us) / 1e6),
             clock,
-            gate: SetPointGate::new(puma, CYCLE_S),
             joints: start_joints(puma),
             status: PortStatus::Disabled,
             last_us: 0,
             written: 0,
             reason: None,
         })
+    }
+}
+
+/// Whether the file may be made, or written over: by its first line, and an empty one always. What is no
+/// file but a device or a pipe has nothing to lose.
+fn look_before(file: &Path) -> Result<(), DryRunError> {
+    let unreadable = |cause| DryRunError::Unreadable { file: file.to_owned(), cause };
+    match std::fs::metadata(file) {
+        Ok(found) if !found.is_file() || found.len() == 0 => return Ok(()),
+        Ok(_) => {}
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            let folder = file.parent().unwrap_or(file);
+            return match folder.as_os_str().is_empty() || folder.is_dir() {
+                true => Ok(()),
+                false => Err(DryRunError::NoFolder { folder: folder.to_owned() }),
+            };
+        }
+        Err(cause) => return Err(unreadable(cause)),
+    }
+    let mut first = Vec::new();
+    let read = File::open(file).and_then(|found| found.take(HEADER.len() as u64 + 1).read_to_end(&mut first));
+    read.map_err(unreadable)?;
+    match first.strip_prefix(HEADER.as_bytes()) {
+        Some(b"" | b"\n" | b"\r") => Ok(()),
+        _ => Err(DryRunError::NotOurs { file: file.to_owned() }),
     }
 }
 
@@ -103,7 +173,7 @@ impl RobotPort<f64> for DryRun {
     }
 
     fn status(&self) -> PortStatus {
-        let late = self.clock.now_us().saturating_sub(self.last_us) > WATCHDOG_US;
+        let late = self.clock.now_us().saturating_sub(self.last_us) > self.watchdog_us;
         if self.status == PortStatus::Ready && late { PortStatus::Stopped } else { self.status }
     }
 }
@@ -112,7 +182,7 @@ impl Robot for DryRun {
     fn reason(&self) -> Option<String> {
         match (self.status, self.status()) {
             (PortStatus::Ready, PortStatus::Stopped) => {
-                Some(format!("no set-point came for {} ms", WATCHDOG_US / 1000))
+                Some(format!("no set-point came for {} ms", self.watchdog_us / 1000))
             }
             _ => self.reason.clone(),
         }
@@ -124,81 +194,4 @@ impl Robot for DryRun {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn port(clock: &Clock) -> (tempfile::TempDir, DryRun) {
-        let dir = tempfile::tempdir().unwrap();
-        let file = dir.path().join("set-points.csv");
-        let port = DryRun::with_clock(&file, &PumaConfig::default(), clock.clone()).unwrap();
-        (dir, port)
-    }
-
-    #[test]
-    fn set_points_are_recorded_with_their_times_and_followed() {
-        let clock = Clock::given();
-        let (dir, mut port) = port(&clock);
-        let mut joints = port.read_joints().unwrap().joints;
-        assert_eq!(port.write_set_point(&joints), Err(PortError::NotReady(PortStatus::Disabled)));
-        port.enable().unwrap();
-        port.write_set_point(&joints).unwrap();
-        clock.set(10_000);
-        joints[0] = 0.0125;
-        port.write_set_point(&joints).unwrap();
-        assert_eq!(port.read_joints().unwrap(), JointReading { joints, age_us: 0 });
-        assert_eq!(port.report(), ["2 set-points recorded"]);
-        let text = std::fs::read_to_string(dir.path().join("set-points.csv")).unwrap();
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 3);
-        assert_eq!(lines[0], "t,q1,q2,q3,q4,q5,q6");
-        assert!(lines[2].starts_with("0.010000,0.0125,0.785"), "{}", lines[2]);
-    }
-
-    #[test]
-    fn a_jump_is_refused_and_not_recorded() {
-        let clock = Clock::given();
-        let (_dir, mut port) = port(&clock);
-        port.enable().unwrap();
-        let stood = port.read_joints().unwrap().joints;
-        let mut far = stood;
-        far[2] += 1.0;
-        assert_eq!(port.write_set_point(&far), Err(PortError::TooFar(3)));
-        assert_eq!(port.read_joints().unwrap().joints, stood);
-        assert_eq!(port.report(), ["0 set-points recorded"]);
-    }
-
-    #[test]
-    fn without_set_points_it_stops_until_it_is_enabled_again() {
-        let clock = Clock::given();
-        let (_dir, mut port) = port(&clock);
-        port.enable().unwrap();
-        let joints = port.read_joints().unwrap().joints;
-        clock.set(WATCHDOG_US);
-        assert_eq!(port.status(), PortStatus::Ready);
-        clock.set(WATCHDOG_US + 1);
-        assert_eq!(port.write_set_point(&joints), Err(PortError::NotReady(PortStatus::Stopped)));
-        assert_eq!(port.reason().as_deref(), Some("no set-point came for 100 ms"));
-        port.enable().unwrap();
-        assert_eq!((port.status(), port.reason()), (PortStatus::Ready, None));
-        port.write_set_point(&joints).unwrap();
-        port.stop().unwrap();
-        assert_eq!(port.write_set_point(&joints), Err(PortError::NotReady(PortStatus::Stopped)));
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn a_file_that_goes_away_is_a_loss_with_a_reason() {
-        use std::os::fd::AsRawFd as _;
-        let (reader, writer) = std::io::pipe().unwrap();
-        let file = format!("/dev/fd/{}", writer.as_raw_fd());
-        let mut port = DryRun::with_clock(Path::new(&file), &PumaConfig::default(), Clock::given()).unwrap();
-        let joints = port.read_joints().unwrap().joints;
-        port.enable().unwrap();
-        port.write_set_point(&joints).unwrap();
-        drop(reader);
-        assert_eq!(port.write_set_point(&joints), Err(PortError::Lost));
-        assert_eq!(port.status(), PortStatus::Lost);
-        let reason = port.reason().unwrap();
-        assert!(reason.starts_with(&format!("cannot write {file}: Broken pipe")), "{reason}");
-    }
-}
+mod tests;

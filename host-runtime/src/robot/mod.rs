@@ -102,8 +102,8 @@ pub enum RobotError {
     },
 }
 
-/// Opens what is at the address, for this arm. It is not switched on by that. `canopen` is what is set
-/// about drives on a CAN bus.
+/// Opens what is at the address, for this arm and a set-point every `cycle_us` microseconds. It is not
+/// switched on by that. `canopen` is what is set about drives on a CAN bus, which has a cycle of its own.
 ///
 /// # Errors
 /// [`RobotError`].
@@ -111,15 +111,18 @@ pub fn open(
     address: &RobotAddress,
     puma: &PumaConfig,
     canopen: &CanopenConfig,
+    cycle_us: u32,
 ) -> Result<Box<dyn Robot>, RobotError> {
     puma.check()?;
     let text = || address.to_string();
     match address.kind() {
-        RobotKind::Simulated(options) => match SimulatedArm::new(puma, options) {
-            Ok(port) => Ok(Box::new(port)),
-            Err(cause) => Err(RobotError::Option { address: text(), cause: cause.into() }),
-        },
-        RobotKind::DryRun(file) => match DryRun::create(file, puma) {
+        RobotKind::Simulated(options) => {
+            let wrong = |cause| RobotError::Option { address: text(), cause };
+            let options = options.for_cycle(cycle_us).map_err(|problem| wrong(problem.into()))?;
+            let port = SimulatedArm::new(puma, &options).map_err(|error| wrong(error.into()))?;
+            Ok(Box::new(port))
+        }
+        RobotKind::DryRun(file) => match DryRun::create(file, puma, cycle_us) {
             Ok(port) => Ok(Box::new(port)),
             Err(cause) => Err(RobotError::Open { address: text(), cause: cause.into() }),
         },
@@ -140,7 +143,37 @@ mod tests {
     use tetrad_core::arm::port::PortStatus;
 
     fn open_text(text: &str) -> Result<Box<dyn Robot>, RobotError> {
-        open(&text.parse().unwrap(), &PumaConfig::default(), &CanopenConfig::default())
+        open(&text.parse().unwrap(), &PumaConfig::default(), &CanopenConfig::default(), 10_000)
+    }
+
+    /// The fastest step of a cycle of 30 ms, at which a governor of that cycle makes set-points.
+    #[test]
+    fn set_points_of_the_cycle_that_was_told_are_taken() {
+        let dir = tempfile::tempdir().unwrap();
+        let puma = PumaConfig::default();
+        let file = format!("dry-run:{}", dir.path().join("a.csv").display());
+        for address in ["sim:?noise=off&enable_ms=0", &file] {
+            let canopen = CanopenConfig::default();
+            let mut arm = open(&address.parse().unwrap(), &puma, &canopen, 30_000).unwrap();
+            arm.enable().unwrap();
+            while arm.status() != PortStatus::Ready {
+                std::thread::yield_now();
+            }
+            let mut joints = arm.read_joints().unwrap().joints;
+            arm.write_set_point(&joints).unwrap();
+            joints[0] += 0.9 * 0.03 * puma.joints[0].max_speed_rad_s;
+            assert_eq!(arm.write_set_point(&joints), Ok(()), "{address}");
+        }
+    }
+
+    #[test]
+    fn a_cycle_that_contradicts_the_one_of_set_points_is_refused_before_anything_moves() {
+        let puma = PumaConfig::default();
+        let canopen = CanopenConfig::default();
+        let refused = open(&"sim:?cycle_ms=10".parse().unwrap(), &puma, &canopen, 30_000);
+        let Err(error) = refused else { panic!("opened") };
+        let cause = error.source().unwrap().to_string();
+        assert!(cause.starts_with("cycle_ms=10: set-points come every 30 ms"), "{cause}");
     }
 
     #[test]
@@ -157,10 +190,12 @@ mod tests {
         assert_eq!(cause, "start_deg: joint 3 can be from -225.0 to 45.0 degrees");
         let Err(error) = open_text("dry-run:/nowhere/at/all.csv") else { panic!("opened") };
         assert_eq!(error.to_string(), "cannot open dry-run:/nowhere/at/all.csv");
+        let cause = error.source().unwrap().to_string();
+        assert_eq!(cause, "there is no folder /nowhere/at: make it first, or name a file elsewhere");
         let mut bad = PumaConfig::default();
         bad.lengths.forearm_m = 0.0;
         assert!(matches!(
-            open(&"sim:".parse().unwrap(), &bad, &CanopenConfig::default()),
+            open(&"sim:".parse().unwrap(), &bad, &CanopenConfig::default(), 10_000),
             Err(RobotError::Config(_))
         ));
     }

@@ -174,7 +174,8 @@ pub(super) fn open_port(
         // the limits go at the rate of the drives
         config.governor.cycle_us = settings.canopen.period_us;
     }
-    let port = robot::open(address, &config.puma, &settings.canopen).map_err(not_opened)?;
+    let cycle_us = config.governor.cycle_us;
+    let port = robot::open(address, &config.puma, &settings.canopen, cycle_us).map_err(not_opened)?;
     config.governor.speed_share = config.governor.speed_share.min(port.speed_share());
     Ok((config, port))
 }

@@ -93,7 +93,7 @@ impl SimulatedArm {
             opened_us,
             plant: Plant::new(puma, options)?,
             switch: Switch::new(options),
-            gate: SetPointGate::new(puma, options.cycle_us as f64 / 1e6),
+            gate: SetPointGate::new(puma, options.cycle_us() as f64 / 1e6),
             mischief: Mischief::default(),
             clock,
         })

@@ -9,6 +9,12 @@ use tetrad_core::config::JOINTS;
 /// What a fault is called when nothing else is said: CiA 402's following error.
 const FOLLOWING_ERROR: u32 = 0x8611;
 
+/// How often set-points are expected where nothing else is said, microseconds.
+const CYCLE_US: u64 = 10_000;
+
+/// How long it goes without one where nothing else is said, microseconds.
+const WATCHDOG_US: u64 = 100_000;
+
 /// Lags that a servo may have, milliseconds. Computed by the millisecond, a quicker one would not be.
 pub(super) const LAG_MS: RangeInclusive<f64> = 10.0..=500.0;
 
@@ -34,8 +40,8 @@ pub struct SimulatedOptions {
     /// `lag_ms=20`: how far the joints are behind in time.
     pub lag_s: f64,
     /// `cycle_ms=10`: how often set-points are expected; a joint can go no farther than that from one
-    /// to the next.
-    pub cycle_us: u64,
+    /// to the next. Where it is not given, as often as whoever opens the port says, or 10 ms.
+    pub cycle_us: Option<u64>,
     /// `watchdog_ms=100`: without a set-point for longer, it stops.
     pub watchdog_us: u64,
     /// `enable_ms=500`: how long switching on takes.
@@ -54,8 +60,8 @@ impl Default for SimulatedOptions {
             seed: 1,
             noise_counts: 0.5,
             lag_s: 0.02,
-            cycle_us: 10_000,
-            watchdog_us: 100_000,
+            cycle_us: None,
+            watchdog_us: WATCHDOG_US,
             enable_us: 500_000,
             start: None,
             fault: None,
@@ -69,6 +75,39 @@ impl SimulatedOptions {
     #[must_use]
     pub fn without_noise() -> Self {
         Self { noise_counts: 0.0, ..Self::default() }
+    }
+
+    /// How often set-points are expected, microseconds.
+    pub(super) fn cycle_us(&self) -> u64 {
+        self.cycle_us.unwrap_or(CYCLE_US)
+    }
+
+    /// For whoever makes a set-point every `cycle_us`: that cycle, where none was given, and a watchdog
+    /// that it does not wake.
+    ///
+    /// # Errors
+    /// A sentence that names an option that does not go with that cycle.
+    pub fn for_cycle(&self, cycle_us: u32) -> Result<Self, String> {
+        let wanted = u64::from(cycle_us);
+        let ms = wanted as f64 / 1e3;
+        if let Some(given) = self.cycle_us
+            && given < wanted
+        {
+            return Err(format!(
+                "cycle_ms={}: set-points come every {ms} ms (cycle_ms of [governor]): leave it out, or give no less",
+                given / 1000
+            ));
+        }
+        let mut options = Self { cycle_us: Some(self.cycle_us.unwrap_or(wanted)), ..self.clone() };
+        if self.watchdog_us == WATCHDOG_US {
+            options.watchdog_us = WATCHDOG_US.max(2 * wanted);
+        } else if self.watchdog_us <= wanted {
+            return Err(format!(
+                "watchdog_ms={}: set-points come every {ms} ms (cycle_ms of [governor]): leave it out, or give more",
+                self.watchdog_us / 1000
+            ));
+        }
+        Ok(options)
     }
 
     /// Reads what stands behind `sim:?`.
@@ -93,8 +132,8 @@ impl SimulatedOptions {
         if let Some(ms) = query.number("lag_ms", "ms", LAG_MS)? {
             options.lag_s = ms / 1000.0;
         }
+        options.cycle_us = query.number("cycle_ms", "ms", 1..=1_000)?.map(|ms: u64| ms * 1000);
         for (key, range, value) in [
-            ("cycle_ms", 1..=1_000, &mut options.cycle_us),
             ("watchdog_ms", 1..=60_000, &mut options.watchdog_us),
             ("enable_ms", 0..=60_000, &mut options.enable_us),
         ] {
@@ -173,7 +212,7 @@ mod tests {
             seed: 7,
             noise_counts: 0.0,
             lag_s: 0.03,
-            cycle_us: 20_000,
+            cycle_us: Some(20_000),
             watchdog_us: 250_000,
             enable_us: 0,
             start: Some([0.0, 45.0, -180.0, 0.0, 45.0, 10.0].map(f64::to_radians)),
@@ -184,6 +223,20 @@ mod tests {
         assert_eq!(SimulatedOptions::parse(""), Ok(SimulatedOptions::default()));
         let fault = SimulatedOptions::parse("fault=6@0s").unwrap().fault.unwrap();
         assert_eq!(fault, TimedFault { at_us: 0, fault: PortFault { joint: Some(6), code: 0x8611 } });
+    }
+
+    #[test]
+    fn set_points_of_any_cycle_are_expected_as_often_or_refused_by_option() {
+        let parsed = |text| SimulatedOptions::parse(text).unwrap();
+        let slow = parsed("").for_cycle(30_000).unwrap();
+        assert_eq!((slow.cycle_us(), slow.watchdog_us), (30_000, 100_000));
+        assert_eq!(parsed("").for_cycle(100_000).unwrap().watchdog_us, 200_000);
+        // room to go farther than is asked is no contradiction
+        assert_eq!(parsed("cycle_ms=40").for_cycle(30_000).unwrap().cycle_us(), 40_000);
+        let refused = parsed("cycle_ms=10").for_cycle(30_000).unwrap_err();
+        assert!(refused.starts_with("cycle_ms=10: set-points come every 30 ms"), "{refused}");
+        let refused = parsed("watchdog_ms=20").for_cycle(30_000).unwrap_err();
+        assert!(refused.starts_with("watchdog_ms=20: set-points come every 30 ms"), "{refused}");
     }
 
     #[test]

@@ -96,7 +96,7 @@ impl Plant {
     pub fn new(puma: &PumaConfig, options: &SimulatedOptions) -> Result<Self, PlantError> {
         puma.check()?;
         if !(LAG_MS.contains(&(options.lag_s * 1000.0)) && NOISE_COUNTS.contains(&options.noise_counts))
-            || options.cycle_us == 0
+            || options.cycle_us() == 0
         {
             return Err(PlantError::Options);
         }
@@ -126,7 +126,7 @@ impl Plant {
             joints: std::array::from_fn(joint),
             encoders,
             lag_s: options.lag_s,
-            cycle_us: options.cycle_us,
+            cycle_us: options.cycle_us(),
             random: Pcg32::new(options.seed, 0x7e7a),
             now_us: 0,
             drive: Drive::Braked,

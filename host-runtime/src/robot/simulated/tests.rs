@@ -320,7 +320,7 @@ fn an_arm_that_cannot_be_is_refused() {
     };
     assert_eq!(refused(|options| options.lag_s = 0.0), PlantError::Options);
     assert_eq!(refused(|options| options.noise_counts = f64::NAN), PlantError::Options);
-    assert_eq!(refused(|options| options.cycle_us = 0), PlantError::Options);
+    assert_eq!(refused(|options| options.cycle_us = Some(0)), PlantError::Options);
     let out = refused(|options| options.start = Some([0.0, 0.0, 0.0, f64::NAN, 0.0, 0.0]));
     assert!(matches!(out, PlantError::Start { joint: 4, .. }), "{out:?}");
 }
