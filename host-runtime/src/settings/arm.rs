@@ -103,7 +103,8 @@ impl ArmSettings {
         let puma = settings.slave.puma;
         settings.slave.governor =
             file.governor.as_ref().unwrap_or(&GovernorToml::default()).config(&workspace, &puma)?;
-        file.canopen.check().map_err(|error| ("[canopen]".to_owned(), error.to_string()))?;
+        let canopen = file.canopen.check().and_then(|()| file.canopen.check_watches());
+        canopen.map_err(|error| ("[canopen]".to_owned(), error.to_string()))?;
         settings.canopen = file.canopen.clone();
         if let Some(slave) = &file.slave {
             slave.set(&mut settings)?;
@@ -162,9 +163,15 @@ fn problem(table: &str, keys: &str, error: &dyn fmt::Display) -> Problem {
 }
 
 /// Roll, pitch and yaw in degrees, about fixed axes in this order, as a rotation.
-fn turned(degrees: [f64; 3]) -> Matrix3<f64> {
+///
+/// # Errors
+/// The key, for angles beyond a whole turn: they lose digits, and nobody means them.
+fn turned(degrees: [f64; 3], table: &str, key: &str) -> Result<Matrix3<f64>, Problem> {
+    if !degrees.iter().all(|angle| (-360.0..=360.0).contains(angle)) {
+        return Err(problem(table, key, &"angles from -360 to 360 degrees are needed"));
+    }
     let [roll, pitch, yaw] = degrees.map(f64::to_radians);
-    *Rotation3::from_euler_angles(roll, pitch, yaw).matrix()
+    Ok(*Rotation3::from_euler_angles(roll, pitch, yaw).matrix())
 }
 
 #[cfg(test)]

@@ -81,6 +81,7 @@ impl<R: Read, const N: usize> Table<R, N> {
         if !missing.is_empty() {
             let present = header.iter().collect::<Vec<_>>().join(", ");
             let other = present.contains([';', '\t']);
+            let present = cut(&present);
             let help = if other { " (columns are told apart by commas)" } else { "" };
             return Err(TableError::Missing { line, missing: missing.join(", "), present, help });
         }
@@ -136,10 +137,11 @@ impl<R: Read, const N: usize> Table<R, N> {
         }
         let mut numbers = [0.0; N];
         for (number, (text, column)) in numbers.iter_mut().zip(texts.iter().zip(self.names)) {
-            *number =
-                text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
-                    TableError::Number { line: self.line(), column, text: (*text).to_owned() }
-                })?;
+            *number = text
+                .parse()
+                .ok()
+                .filter(|number: &f64| number.is_finite())
+                .ok_or_else(|| TableError::Number { line: self.line(), column, text: cut(text) })?;
         }
         Ok(Some(numbers))
     }
@@ -156,7 +158,7 @@ impl<R: Read, const N: usize> Table<R, N> {
             Some(((column, place), _)) => Err(TableError::Beyond {
                 line: self.line(),
                 column,
-                text: self.record.get(*place).unwrap_or_default().trim().to_owned(),
+                text: cut(self.record.get(*place).unwrap_or_default().trim()),
                 most,
                 unit,
             }),
@@ -166,6 +168,17 @@ impl<R: Read, const N: usize> Table<R, N> {
 
     fn line(&self) -> u64 {
         self.record.position().map_or(0, csv::Position::line)
+    }
+}
+
+/// The most characters of a table that a message repeats.
+const REPEATED: usize = 200;
+
+/// What a message repeats of a table: all of it, or its beginning.
+fn cut(text: &str) -> String {
+    match text.char_indices().nth(REPEATED) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
     }
 }
 
@@ -245,5 +258,22 @@ pub(super) fn pose_of([x, y, z, rotation @ ..]: [f64; 12]) -> Pose<f64> {
     Pose {
         translation: nalgebra::Vector3::new(x, y, z),
         rotation: nalgebra::Matrix3::from_row_slice(&rotation),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_repeats_no_more_of_a_table_than_can_be_read() {
+        let header = "é".repeat(3_000_000);
+        let Err(error) = Table::open(header.as_bytes(), JOINTS) else { panic!("taken") };
+        let text = error.to_string();
+        assert!(text.contains("éé...") && text.len() < 1_000, "{} bytes", text.len());
+        let table = format!("q1,q2,q3,q4,q5,q6\n{},0,0,0,0,0\n", "9x".repeat(1_000_000));
+        let mut table = Table::open(table.as_bytes(), JOINTS).unwrap();
+        assert!(table.advance().unwrap());
+        assert!(table.numbers().unwrap_err().to_string().len() < 1_000);
     }
 }

@@ -43,7 +43,7 @@ impl ArmToml {
             puma.tool.translation = Vector3::from(place.map(mm));
         }
         if let Some(angles) = self.tool_rpy_deg {
-            puma.tool.rotation = turned(angles);
+            puma.tool.rotation = turned(angles, "arm", "tool_rpy_deg")?;
         }
         puma.check().map_err(|error| {
             let keys = match error {

@@ -3,19 +3,29 @@
 use super::super::file::Problem;
 use super::{mm, problem, set, turned};
 use nalgebra::Matrix3;
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use tetrad_core::config::{TeleopConfig, TeleopConfigError, TeleopMode, Turning, Workspace};
 
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case")]
 enum ModeToml {
     SinceEngage,
     Paper,
 }
 
+fn mode<'de, D: Deserializer<'de>>(text: D) -> Result<Option<ModeToml>, D::Error> {
+    match String::deserialize(text)?.as_str() {
+        "since-engage" => Ok(Some(ModeToml::SinceEngage)),
+        "paper" => Ok(Some(ModeToml::Paper)),
+        other => Err(D::Error::custom(format!(
+            "'{other}' is no mode: write mode = \"since-engage\" or \"paper\", in small letters"
+        ))),
+    }
+}
+
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(in crate::settings) struct TeleopToml {
+    #[serde(default, deserialize_with = "mode")]
     mode: Option<ModeToml>,
     scale: Option<f64>,
     turn_scale: Option<f64>,
@@ -61,7 +71,9 @@ impl TeleopToml {
                 ));
             }
             (Some(rows), None) => law.robot_from_hand = Matrix3::from_fn(|row, column| rows[row][column]),
-            (None, Some(angles)) => law.robot_from_hand = turned(angles),
+            (None, Some(angles)) => {
+                law.robot_from_hand = turned(angles, "teleop", "robot_from_hand_rpy_deg")?;
+            }
             (None, None) => {}
         }
         set(&mut law.max_lead_m, self.max_lead_mm, mm);

@@ -116,7 +116,17 @@ fn values_that_cannot_be_are_named_by_table_and_key() {
     );
     refused("[arm]\nmin_deg = [0, 0, 50, 0, 0, 0]\n", "[arm] min_deg, max_deg: joint 3: the range");
     refused("[arm]\nmax_speed_deg_s = [1, 1, 1, nan, 1, 1]\n", "[arm] max_speed_deg_s: joint 4");
-    refused("[arm]\ntool_rpy_deg = [inf, 0, 0]\n", "[arm] tool_mm, tool_rpy_deg: the tool");
+    for angle in ["inf", "nan", "1e300", "-360.1"] {
+        let problem = "[arm] tool_rpy_deg: angles from -360 to 360 degrees";
+        refused(&format!("[arm]\ntool_rpy_deg = [{angle}, 0, 0]\n"), problem);
+        let problem = "[teleop] robot_from_hand_rpy_deg: angles from -360 to 360 degrees";
+        refused(&format!("[teleop]\nrobot_from_hand_rpy_deg = [0, {angle}, 0]\n"), problem);
+    }
+    refused(
+        "[canopen]\nwatchdog_cycles = 101\n",
+        "[canopen]: watchdog_cycles (times period_us): that is 1010 ms",
+    );
+    refused("[teleop]\nmode = \"Paper\"\n", "write mode = \"since-engage\" or \"paper\", in small letters");
     refused("[teleop]\nscale = -1\n", "[teleop] scale, turn_scale: ");
     refused("[teleop]\ncommand_timeout_ms = nan\n", "[teleop] command_timeout_ms: the time that a command ");
     refused("[teleop]\nhold_to_run_timeout_ms = -1\n", "[teleop] hold_to_run_timeout_ms: ");
