@@ -70,9 +70,8 @@ pub struct GovernorConfig {
     pub max_acceleration_rad_s2: [f64; JOINTS],
     /// The largest jerk of each joint, rad/s^3: the acceleration builds up in 0.1 s.
     pub max_jerk_rad_s3: [f64; JOINTS],
-    /// The largest speed of the tool, m/s. VAL's figure for straight lines. It is steered by, not a
-    /// bound of each set-point: when goals jump or joints are stopped that worked against each other,
-    /// it may be two fifths more, on straight ways a tenth.
+    /// The largest speed of the tool, m/s. VAL's figure for straight lines. No set-point is farther
+    /// from the one before; the arm is steered at 0.86 of it.
     pub max_tool_speed_m_s: f64,
     /// How quickly what is left of the way is gone, as a share of it a second: the arm follows a moving
     /// hand 1/8 s behind. Capped at a fifth of the way a cycle.

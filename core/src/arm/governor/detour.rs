@@ -11,8 +11,16 @@ use crate::arm::puma560::{Configuration, Joints, Puma560};
 use crate::config::JOINTS;
 use crate::real::Real;
 
-/// Places of joints 2 and 3 that are tried each, between the ends of their ranges.
+/// In so many parts the ranges of joints 2 and 3 are divided: the places that are tried are between them,
+/// and in every other round the ends: with its elbow folded most the arm has room to turn over.
 const PLACES: u8 = 6;
+
+/// How far from the ends that is, radians.
+const KEPT_FROM_ENDS_RAD: f64 = 0.02;
+
+/// So far joint 5 is turned for the tool to stand aside, radians: a tool in line with the forearm takes
+/// the most room below and above a folded arm.
+const ASIDE_RAD: f64 = 1.2;
 
 /// Where the tool is looked for on each of both halves.
 const LOOKS: u8 = 8;
@@ -128,16 +136,20 @@ impl<T: Real> Around<'_, T> {
     /// By way of which joints to go.
     pub(super) fn via(&self, from: &Joints<T>, to: &Joints<T>) -> Option<Joints<T>> {
         let middle = between(from, to, self.turned);
-        let [_, upper_arm, forearm, ..] = self.ranges;
+        let [_, upper_arm, forearm, _, wrist, _] = self.ranges;
         let mut best = None;
         let mut least = T::of(1e9);
-        for i in 1..PLACES {
-            for k in 1..PLACES {
+        // at first between the ends and with the wrist as it is
+        let (round, to_the_ends) = (self.round / 2, self.round % 2 == 1);
+        let (least_place, places) = if to_the_ends { (0, PLACES) } else { (1, PLACES - 1) };
+        for i in least_place..=places {
+            for k in least_place..=places {
                 // what failed in one round is left out in one of the next
-                if !self.round.is_multiple_of(4) && (i + k + self.round).is_multiple_of(3) {
+                if !round.is_multiple_of(4) && (i + k + round).is_multiple_of(3) {
                     continue;
                 }
                 let [q1, _, _, q4, q5, q6] = middle;
+                let q5 = if to_the_ends { aside(q5, wrist) } else { q5 };
                 let via = [q1, place(upper_arm, i), place(forearm, k), q4, q5, q6];
                 let stands = self.arm.configuration(&via);
                 if stands.elbow != self.posture.elbow || stands.shoulder != self.posture.shoulder {
@@ -175,7 +187,14 @@ impl<T: Real> Around<'_, T> {
 }
 
 fn place<T: Real>(range: &Span<T>, number: u8) -> T {
-    range.min + (range.max - range.min) * T::of(f64::from(number) / f64::from(PLACES))
+    let end = T::of(KEPT_FROM_ENDS_RAD);
+    let place = range.min + (range.max - range.min) * T::of(f64::from(number) / f64::from(PLACES));
+    place.max(range.min + end).min(range.max - end)
+}
+
+fn aside<T: Real>(q5: T, range: &Span<T>) -> T {
+    let most = T::of(ASIDE_RAD);
+    if q5 < T::zero() { (-most).max(range.min) } else { most.min(range.max) }
 }
 
 fn between<T: Real>(from: &Joints<T>, to: &Joints<T>, share: T) -> Joints<T> {

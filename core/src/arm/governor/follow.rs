@@ -80,12 +80,10 @@ impl<T: Real> Governor<T> {
         };
         let paced = self.pace.along(&way, &stance, uncertainty, limits);
         self.watch(&way, paced.share);
-        let is_free = self.turn_to(&paced.speeds);
-        if !is_free {
-            limits.add(Limit::WorkspaceEdge);
-        }
+        let forbidden = self.turn_to(&paced.speeds);
+        forbidden.iter().for_each(|limit| limits.add(*limit));
         self.come_to_rest(goal, &way, &jacobian);
-        self.go_round(goal, &way, paced.at_face || !is_free);
+        self.go_round(goal, &way, paced.at_face || forbidden == Some(Limit::WorkspaceEdge));
         paced.share
     }
 

@@ -3,6 +3,7 @@
 use super::Governor;
 use super::axis::Axis;
 use super::detour::Detour;
+use super::limits::Limit;
 use crate::arm::puma560::{Change, ChangeKind, Joints};
 use crate::config::JOINTS;
 use crate::real::Real;
@@ -33,9 +34,9 @@ impl<T: Real> Governor<T> {
 
     /// One cycle from the speeds that are towards those that are asked. One factor for the
     /// accelerations of all joints, and one for what changes of them: the speeds come to what is asked
-    /// straight, so that the tool does not swing out while one joint waits for another. Whether nothing
-    /// was in the way.
-    pub(super) fn turn_to(&mut self, speeds: &Joints<T>) -> bool {
+    /// straight, so that the tool does not swing out while one joint waits for another. What was in the
+    /// way, if anything.
+    pub(super) fn turn_to(&mut self, speeds: &Joints<T>) -> Option<Limit> {
         let mut wishes = *speeds;
         let mut factor = self.pace.response * T::of(SPEED_RESPONSE);
         for ((wish, axis), bounds) in wishes.iter_mut().zip(&self.axes).zip(&self.bounds) {
@@ -63,12 +64,13 @@ impl<T: Real> Governor<T> {
     }
 
     /// Takes these steps, or ones between them and those of a stop: from where they lead to the tool
-    /// can be stopped within the workspace. Whether it is these.
-    fn take(&mut self, next: &[Axis<T>; JOINTS]) -> bool {
-        if self.fence.admits(&self.ways.arm, next, &self.bounds) {
+    /// can be stopped within the workspace, and is never too fast. What forbids the steps themselves.
+    fn take(&mut self, next: &[Axis<T>; JOINTS]) -> Option<Limit> {
+        let Some(limit) = self.fence.forbids(&self.ways.arm, &self.pose.translation, next, &self.bounds)
+        else {
             self.axes = *next;
-            return true;
-        }
+            return None;
+        };
         let mut stopped = self.axes;
         for (axis, bounds) in stopped.iter_mut().zip(&self.bounds) {
             *axis = axis.stopped(bounds);
@@ -85,14 +87,15 @@ impl<T: Real> Governor<T> {
                 *axis = axis.moved(stopped.acceleration + more * share, bounds);
                 is_safe &= axis.is_safe(bounds, *span);
             }
-            if is_safe && self.fence.admits(&self.ways.arm, &tried, &self.bounds) {
+            let place = &self.pose.translation;
+            if is_safe && self.fence.forbids(&self.ways.arm, place, &tried, &self.bounds).is_none() {
                 (best, good) = (tried, share);
             } else {
                 bad = share;
             }
         }
         self.axes = best;
-        false
+        Some(limit)
     }
 
     /// The arm is taken to be at the new set-points.

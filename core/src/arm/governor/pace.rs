@@ -14,9 +14,9 @@ use nalgebra::{Cholesky, Matrix3, Vector3, Vector6};
 /// would be refused by the step.
 const SPEED_ASKED: f64 = 0.999;
 
-/// The same of the tool, whose speed no step refuses: joints that change their speeds at different
-/// times make it faster than it is asked to be. See [`super`] for by how much.
-const TOOL_SPEED_ASKED: f64 = 0.92;
+/// The same of the tool: joints that change their speeds at different times make it faster than it is
+/// asked to be, and every step that makes it too fast is refused (`fence`).
+const TOOL_SPEED_ASKED: f64 = 0.86;
 
 /// Joints that work against each other do not change their speeds alike: so much of what each does
 /// alone is counted to the speed of the tool.

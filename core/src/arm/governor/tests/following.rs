@@ -109,5 +109,5 @@ fn a_goal_a_quarter_metre_away_is_gone_to_straight() {
     );
     // straight, but for joints that change their speeds at different times
     assert!(bends[bends.len() / 2] < 0.005 && bends[bends.len() - 1] < 0.1, "{bends:?}");
-    assert!(fastest <= config.max_tool_speed_m_s * 1.1, "{fastest} m/s");
+    assert!(fastest <= config.max_tool_speed_m_s, "{fastest} m/s");
 }

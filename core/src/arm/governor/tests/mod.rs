@@ -16,10 +16,6 @@ mod rest;
 
 mod workspace;
 
-/// How much faster than it may be the tool gets at most while goals jump and stops come in
-/// between: steered, not proved. On straight ways it is 1.1 (`following`).
-const TOOL_SPEED_OVER: f64 = 1.4;
-
 /// The differences of the set-points so far, in double precision.
 pub(super) struct Checked<T> {
     pub(super) governor: Governor<T>,
@@ -116,7 +112,8 @@ impl<T: Real> Checked<T> {
         for i in 0..3 {
             self.out_m = self.out_m.max(w.min_m[i] - place[i]).max(place[i] - w.max_m[i]);
         }
-        let most = self.config.max_tool_speed_m_s * TOOL_SPEED_OVER;
+        // a place is rounded
+        let most = self.config.max_tool_speed_m_s + 16.0 * T::EPSILON.to_f64() / cycle;
         assert!(self.fastest_m_s <= most, "{} m/s: {governed:?}", self.fastest_m_s);
         // a place is rounded, too
         let over = fence::OVER_FACE_M + 16.0 * T::EPSILON.to_f64();

@@ -71,13 +71,6 @@ fn wherever_it_is_driven_the_tool_stays_in_and_comes_back() {
             }
             None => {
                 lost.push((case, round, arm.off(&home), arm.follow(&home).limits));
-                // by way of another goal it comes home all the same
-                let by_way_of = (1..=4).find(|_| {
-                    let via = arm.arm.forward(&anywhere(&mut random, &config, 0.2));
-                    arm.settle(&via, 1e-9, 1_500);
-                    arm.settle(&home, 1e-9, 3_000).is_some()
-                });
-                assert!(by_way_of.is_some(), "case {case} does not come home at all");
             }
         }
         out = out.max(arm.out_m);
@@ -89,10 +82,32 @@ fn wherever_it_is_driven_the_tool_stays_in_and_comes_back() {
         out * 1e3,
         lost.len(),
     );
-    // a jump home across all that lies between fails once in two thousand times, and may take a while
-    assert!(lost.len() as u64 <= sequences(4_000) / 1_000, "{lost:#?}");
+    // a jump home across all that lies between may take a while
+    assert!(lost.is_empty(), "{lost:#?}");
     assert!(late * 200 <= sequences(4_000), "{late} took more than 10 s");
     assert!(held > 100 && other_ways > 100 && nearest > 100 && out > 0.002);
+}
+
+#[test]
+fn a_way_home_is_found_that_takes_a_folded_elbow() {
+    let config = GovernorConfig { workspace: SMALL, ..GovernorConfig::default() };
+    // the upper arm goes over the top, where there is only room for a forearm that is folded to its end
+    let over_the_top = (
+        [-0.301, -0.138, -0.0243, 1.7412, -0.1944, 3.1601],
+        [-0.2000189, 3.9139138, 0.7779182, 1.7479918, -0.1474904, 3.1601816],
+    );
+    // folded already, and below the tool there is a face
+    let at_the_floor = (
+        [0.0261429, 3.6076343, 0.7853884, -1.2696081, -0.55585, 3.3261],
+        [0.1686037, 3.8299596, 0.7608467, -1.4569333, -0.6498751, 3.7633655],
+    );
+    for (from, to) in [over_the_top, at_the_floor] {
+        let mut arm = Checked::<f64>::new(&config, &from);
+        let home = arm.arm.forward(&to);
+        let cycles = arm.settle(&home, 1e-9, 3_000);
+        std::println!("{cycles:?}");
+        assert!(cycles.is_some(), "{:?} at {:?}", arm.off(&home), arm.governor.set_point());
+    }
 }
 
 #[test]
@@ -143,9 +158,13 @@ fn what_was_gained_on_the_way_in_is_not_given_up() {
     assert!(height(&nearer) - height(&out) > 0.02);
     let mut workspace = Workspace { min_m: [-1.0, -1.0, 0.0], max_m: [1.0, 1.0, 2.0] };
     workspace.min_m[2] = height(&nearer) + 0.05;
-    let mut fence = Fence::new(&arm, &Bounded::new(&arm, &workspace));
+    let mut fence = Fence::new(&arm, &Bounded::new(&arm, &workspace), 0.1);
     fence.start(&arm.forward(&out).translation);
-    assert!(fence.admits(&arm, &out.map(Axis::at), &bounds));
-    assert!(fence.admits(&arm, &nearer.map(Axis::at), &bounds));
-    assert!(!fence.admits(&arm, &out.map(Axis::at), &bounds));
+    let mut forbids = |joints: &Joints<f64>| {
+        let place = arm.forward(joints).translation;
+        fence.forbids(&arm, &place, &joints.map(Axis::at), &bounds)
+    };
+    assert_eq!(forbids(&out), None);
+    assert_eq!(forbids(&nearer), None);
+    assert_eq!(forbids(&out), Some(Limit::WorkspaceEdge));
 }
