@@ -20,7 +20,6 @@ mod track;
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::output::Summary;
 use crate::settings::TrackArgs;
-use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 use notes::{note, tell_aside};
 use std::fmt::Display;
@@ -108,9 +107,11 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
 
 /// Makes the directory results go to, and those above it.
 fn make_dir(dir: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(dir)
-        .with_context(|| format!("cannot make the directory {}", dir.display()))
-        .or_exit(Exit::BadArguments)
+    std::fs::create_dir_all(dir).map_err(|cause| {
+        let cause = anyhow::Error::new(cause).context(format!("cannot make the directory {}", dir.display()));
+        Failure::new(Exit::BadArguments, cause)
+            .help("--out names a folder that is there or can be made: give one you may write to, such as ./out")
+    })
 }
 
 /// Makes the directory of a run; the summary of an earlier one goes at once, so that it never stands
