@@ -8,7 +8,7 @@ use crate::pipeline::PipelineConfig;
 use crate::scene_file::{SceneFile, Seeds};
 use crate::text_file;
 use anyhow::Context as _;
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use tetrad_core::config::{FilterConfig, MAX_ARM_M, MIN_ARM_M};
@@ -57,6 +57,7 @@ impl Mode {
 
 /// The flags of `tetrad track`.
 #[derive(Args, Clone, Debug)]
+#[command(group(ArgGroup::new("taught").required(true).args(["colours_left", "scene"])))]
 pub struct TrackArgs {
     /// The left (or only) camera: /dev/videoN, a folder of numbered frames, a .y4m file or sim:NAME
     #[arg(long, value_name = "SRC")]
@@ -65,13 +66,13 @@ pub struct TrackArgs {
     #[arg(long, value_name = "SRC")]
     pub right: Option<String>,
     /// The left camera's colours, from `tetrad learn`
-    #[arg(long, value_name = "FILE", required_unless_present = "scene")]
+    #[arg(long, value_name = "FILE")]
     pub colours_left: Option<PathBuf>,
     /// The right camera's colours, from `tetrad learn`
     #[arg(long, value_name = "FILE", requires = "right", conflicts_with = "scene")]
     pub colours_right: Option<PathBuf>,
     /// A scene.json: colours are learnt where it says the balls are in the first frame
-    #[arg(long, value_name = "FILE", conflicts_with = "colours_left")]
+    #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Length of the feature frame's arms E1, E2, E3 in millimetres, 5 to 2000 [default: the scene's]
     #[arg(long, value_name = "MM")]
@@ -187,6 +188,17 @@ impl TrackSettings {
             Some(scene) => Self::from_scene(scene, &args)?,
             None => Self::from_colours(&args)?,
         };
+        if settings.one_camera_pose && !settings.balls.is_all() {
+            let message =
+                format!("--one-camera-pose needs all four balls, and only {} are tracked", settings.balls);
+            return Err(Failure::bad_arguments(message).help("leave it out, or track all four"));
+        }
+        if settings.one_camera_pose && !settings.rigid {
+            let file = args.scene.as_deref().map_or_else(String::new, |file| format!("{}: ", file.display()));
+            let message =
+                format!("--one-camera-pose: {file}rigid is false, and only a rigid frame has a pose");
+            return Err(Failure::bad_arguments(message).help("leave it out, or take rigid out of the scene"));
+        }
         if settings.packets.is_some() && !settings.has_pose() {
             return Err(Failure::bad_arguments("--packets: there is no hand whose motion could be sent")
                 .help("give two cameras (or --one-camera-pose) and all four balls"));

@@ -6,7 +6,7 @@ mod common;
 use common::tetrad;
 use std::collections::BTreeMap;
 use std::fs;
-use tetrad::evaluate::{Evaluation, Plan};
+use tetrad::evaluate::{Evaluation, Plan, broken_promises};
 use tetrad::report::Report;
 
 /// All experiments, with three frames a scene.
@@ -42,7 +42,8 @@ fn fields(line: &str) -> Vec<String> {
 
 #[test]
 fn every_file_is_there_and_the_same_seed_gives_the_same_tables() {
-    let (first, again) = (files(&report()), files(&report()));
+    let (whole, again) = (report(), files(&report()));
+    let first = files(&whole);
     for figure in ["1", "2", "5", "6", "7", "8", "9"] {
         assert!(first.contains_key(&format!("figure-{figure}.svg")), "figure {figure}");
     }
@@ -53,6 +54,7 @@ fn every_file_is_there_and_the_same_seed_gives_the_same_tables() {
         "paths",
         "drift",
         "conditions",
+        "backdrops",
         "uncertainty",
         "smoothing",
         "delays",
@@ -75,6 +77,7 @@ fn every_file_is_there_and_the_same_seed_gives_the_same_tables() {
     let mut headlines = first["headlines.csv"].lines().map(fields);
     let back = headlines.find(|row| row[0].starts_with("Back at the start")).unwrap();
     assert!(back[2].starts_with("not measured") && back[4] == "NOT held", "{back:?}");
+    assert!(broken_promises(&whole).iter().any(|what| what.starts_with("Back at the start")));
     for (name, svg) in first.iter().filter(|(name, _)| name.ends_with(".svg")) {
         assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && !svg.contains("NaN"), "{name}");
     }
@@ -111,4 +114,6 @@ fn a_place_that_cannot_be_written_is_named_before_anything_is_run() {
     tetrad(dir.path(), "evaluate --quick --out taken").refused(2, &["taken"]);
     fs::create_dir_all(dir.path().join("out/index.html")).unwrap();
     tetrad(dir.path(), "evaluate --quick --out out").refused(1, &["index.html"]);
+    // a directory that is there and takes no file, whoever asks
+    tetrad(dir.path(), "evaluate --quick --out /proc/self").refused(1, &["/proc/self/index.html"]);
 }

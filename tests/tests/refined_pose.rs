@@ -1,7 +1,8 @@
 //! Promise: the refined pose of rendered scenes, two cameras 1 m away, in even light and lit from one
 //! side (45 % in the shadow): along 0.3 m and round a circle of 0.1 m radius at 0.5 m/s the error stays
 //! in a box of 1.5 mm, its mean under 0.6 mm and the rotation's under 0.3 degrees; with both focal
-//! lengths 10 % wrong in a box of 2.5 mm; with one camera in one of 6 mm. And errors are what the
+//! lengths 10 % wrong in a box of 2.5 mm; with one camera in one of 6 mm. (Where nothing is promised of
+//! means and rotations their bounds are about three times what is measured.) And errors are what the
 //! covariance says they are, in every state that a pose may have.
 
 mod common;
@@ -144,11 +145,11 @@ fn movements_are_followed_within_the_box() {
                     view.camera.focal_px *= wrong;
                 }
             });
-            errors.check(&format!("{name}, focal lengths times {left} and {right}"), 2.5, 1.0, 0.5);
+            errors.check(&format!("{name}, focal lengths times {left} and {right}"), 2.5, 0.12, 0.2);
         }
         for camera in 0..2 {
             let errors = seen.solve(|_, views| *views = vec![views[camera]]);
-            errors.check(&format!("{name}, camera {camera} alone"), 6.0, 3.0, 1.5);
+            errors.check(&format!("{name}, camera {camera} alone"), 6.0, 0.9, 0.4);
         }
     }
 }

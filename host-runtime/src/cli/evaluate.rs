@@ -1,7 +1,7 @@
 //! `tetrad evaluate`: section 5 of the paper again, both modes side by side.
 
 use super::{make_dir, progress, say};
-use crate::evaluate::{Evaluation, Plan};
+use crate::evaluate::{Evaluation, Plan, broken_promises};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::report::{PAGE, Report};
 use clap::Args;
@@ -16,7 +16,8 @@ Examples:
     tetrad evaluate --quick --seed 7 --out evaluation-quick
 
 DIR gets index.html (one page with all of it, which needs no network), and every table as CSV and every
-figure as SVG beside it. The same seed gives the same tables; delays.csv, of times, is the exception.";
+figure as SVG beside it. The same seed gives the same tables; delays.csv, of times, is the exception.
+Exit status 1 when a promise is not held (the report is whole then too), or when it cannot be made.";
 
 /// The flags of `tetrad evaluate`.
 #[derive(Args, Clone, Debug)]
@@ -35,8 +36,9 @@ pub(super) struct EvaluateArgs {
 /// Runs `tetrad evaluate`.
 pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
     make_dir(&args.out)?;
-    // the page of an earlier run never stands for one that ended before it had its own
-    Report::remove(&args.out).or_exit(Exit::Failed)?;
+    // the page of an earlier run never stands for one that ended before it had its own; and a place that
+    // takes no file is told of now and not after the whole run
+    Report::claim(&args.out).or_exit(Exit::Failed)?;
     say(format_args!("seed            {}", args.seed));
     let started = Instant::now();
     let evaluation = Evaluation::new(Plan::new(args.seed, args.quick));
@@ -55,5 +57,10 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
     }
     say(format_args!("took            {:.0} s", started.elapsed().as_secs_f64()));
     say(format_args!("report          {}", args.out.join(PAGE).display()));
-    Ok(())
+    let broken = broken_promises(&report);
+    if broken.is_empty() {
+        return Ok(());
+    }
+    let cause = anyhow::anyhow!("not held: {}", broken.join("; "));
+    Err(Failure::new(Exit::Failed, cause).help("the report is whole, and shows by how much"))
 }

@@ -13,7 +13,7 @@ use crate::settings::Mode;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use tetrad_core::observation::Ball;
-use tetrad_fixtures::{Anchor, Camera, Occluder, Scene};
+use tetrad_fixtures::{Anchor, Camera, Light, Occluder, Scene};
 
 const NOISES: [f64; 6] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0];
 /// Shares of the green ball's rim behind a finger.
@@ -26,11 +26,22 @@ const TIP: f64 = 0.9;
 /// When it has arrived, seconds; it comes from outside in the last third of a second before.
 const ARRIVAL_S: f64 = 0.6;
 
+/// Where the finger comes from, degrees from right to down, and whether the light is from the side.
+const FINGERS: [(f64, bool); 12] = {
+    let mut fingers = [(0.0, false); 12];
+    let mut number = 0;
+    while number < fingers.len() {
+        fingers[number] = ((number / 2 * 60) as f64, number % 2 == 1);
+        number += 1;
+    }
+    fingers
+};
+
 /// Which condition, and its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Condition {
     Noise(f64),
-    Hidden(f64),
+    Hidden { share: f64, from_deg: f64, side: bool },
     Focal,
     Angle(f64),
     Camera(&'static str, Sensor),
@@ -45,9 +56,12 @@ const SENSORS: [(&str, Sensor); 5] = [
     ("all three", Sensor::REAL),
 ];
 
-fn grid() -> Vec<Condition> {
+fn grid(plan: Plan) -> Vec<Condition> {
     let noises = NOISES.map(Condition::Noise).into_iter();
-    let hidden = HIDDEN.map(Condition::Hidden);
+    let fingers = &FINGERS[..plan.pick(FINGERS.len(), 4)];
+    let hidden = HIDDEN.into_iter().flat_map(|share| {
+        fingers.iter().map(move |&(from_deg, side)| Condition::Hidden { share, from_deg, side })
+    });
     let sensors = SENSORS.map(|(name, sensor)| Condition::Camera(name, sensor));
     noises
         .chain(hidden)
@@ -66,7 +80,9 @@ pub(super) fn cases(plan: Plan) -> Vec<Case> {
                 scene.noise_sigma = noise_sigma;
                 (scene, both.to_vec())
             }
-            Condition::Hidden(share) => (under_a_finger(share), both.to_vec()),
+            Condition::Hidden { share, from_deg, side } => {
+                (under_a_finger(share, from_deg, side), both.to_vec())
+            }
             Condition::Focal => {
                 let refined =
                     FOCAL_SHARES.map(|focal_share| Variant { focal_share, ..Variant::of(Mode::Refined) });
@@ -75,25 +91,31 @@ pub(super) fn cases(plan: Plan) -> Vec<Case> {
             Condition::Angle(degrees) => (seen_from(degrees), both.to_vec()),
             Condition::Camera(..) => (named("circular-0.25-30fps"), both.to_vec()),
         };
-        scene.frames = plan.pick(150, 60);
+        scene.frames = match condition {
+            Condition::Hidden { .. } => plan.pick(48, 27),
+            _ => plan.pick(150, 60),
+        };
         let sensor = match condition {
             Condition::Camera(_, sensor) => sensor,
             _ => Sensor::default(),
         };
         Case { sensor, ..Case::new(format!("{condition:?}"), scene, plan.seed, &variants) }
     };
-    grid().into_iter().map(case).collect()
+    grid(plan).into_iter().map(case).collect()
 }
 
 /// Balls of 16 px, and a finger over a share of the green one's rim.
-fn under_a_finger(share: f64) -> Scene {
+fn under_a_finger(share: f64, from_deg: f64, side: bool) -> Scene {
     let mut scene = named("static-16px");
+    if side {
+        scene.light = Light::side(0.45);
+    }
     // The rim's point at the angle pi * share from the finger's direction lies on the tip's circle:
     // c^2 - c cos(pi share) + 1/4 = TIP^2 for the distance c of the two centres.
     let cosine = (PI * share).cos();
     let apart = (cosine + (cosine * cosine - 4.0 * (0.25 - TIP * TIP)).sqrt()) / 2.0;
     let reach = vec![(ARRIVAL_S - 0.33, -40.0), (ARRIVAL_S, TIP - apart)];
-    scene.occluders = vec![Occluder::finger(Anchor::Ball(Ball::Green), 0.0, TIP, reach)];
+    scene.occluders = vec![Occluder::finger(Anchor::Ball(Ball::Green), from_deg.to_radians(), TIP, reach)];
     scene
 }
 
@@ -119,12 +141,12 @@ struct Row {
     poses: Poses,
 }
 
-pub(super) fn outcome(_: Plan, traced: &[Traced]) -> Outcome {
+pub(super) fn outcome(plan: Plan, traced: &[Traced]) -> Outcome {
     let mut rows = Vec::new();
-    for (condition, Traced { traces, .. }) in grid().into_iter().zip(traced) {
+    for (condition, Traced { traces, .. }) in grid(plan).into_iter().zip(traced) {
         for trace in traces {
             let centres = match condition {
-                Condition::Hidden(_) => covered(trace),
+                Condition::Hidden { .. } => covered(trace),
                 _ => Centres::of(trace, |_| true),
             };
             rows.push(Row { condition, variant: trace.variant, centres, poses: Poses::of(trace) });
@@ -136,7 +158,11 @@ pub(super) fn outcome(_: Plan, traced: &[Traced]) -> Outcome {
         text: "One condition is changed at a time. Noise, focal length and angle: a circle of 0.1 m radius at 0.25 m/s \
                in room light; the pose's error is the mean distance from the true place. Finger: a finger \
                of 1.8 ball diameters comes over a share of the green ball's rim, 16 px wide and otherwise \
-               at rest, before both cameras; only the covered ball counts, from the finger's arrival on. The \
+               at rest, before both cameras, from six sides in even light and lit from the side (45 %); only \
+               the covered ball counts, from the finger's arrival on, and the worst side and light stand in \
+               the figure and in the first table. Which side the finger comes from, and so where its edges \
+               cross the rim, matters more than how much it hides: from one side alone 10 % may well look \
+               worse than 40 %. The \
                focal length is the one the refined pose is told, as a share of the true one. Camera: what real \
                cameras do to a picture and the renderer does not, on the same circle: a lens that spreads a \
                point over 2 px, a Bayer mosaic with bilinear interpolation, a tone curve of 1 / 2.2."
@@ -148,7 +174,7 @@ pub(super) fn outcome(_: Plan, traced: &[Traced]) -> Outcome {
         rows.iter().filter(move |row| wanted(row.condition) && row.variant.mode == mode)
     };
     let forty = |mode| {
-        let own = of(mode, |condition| condition == Condition::Hidden(0.4));
+        let own = of(mode, |condition| matches!(condition, Condition::Hidden { share: 0.4, .. }));
         Centres::worst(own.map(|row| &row.centres), (Bound::Under(0.4), Bound::Free))
     };
     let real = |mode| {
@@ -168,7 +194,8 @@ pub(super) fn outcome(_: Plan, traced: &[Traced]) -> Outcome {
             paper: real(Mode::Paper),
         },
         Headline {
-            what: "Centre of a ball of 16 px, 40 % of its rim behind a finger".to_owned(),
+            what: "Centre of a ball of 16 px, 40 % of its rim behind a finger; worst side and light"
+                .to_owned(),
             published: NOTHING,
             promised: "under 0.4 px",
             refined: forty(Mode::Refined),
@@ -204,13 +231,19 @@ fn table(rows: &[Row]) -> Table {
     ]);
     let row = |row: &Row| {
         let (name, value) = match row.condition {
-            Condition::Noise(sigma) => ("noise, grey levels", sigma),
-            Condition::Hidden(share) => ("share of the rim behind a finger", share),
-            Condition::Focal => ("focal length told, share of the true one", row.variant.focal_share),
-            Condition::Angle(degrees) => ("angle between the cameras, degrees", degrees),
-            Condition::Camera(name, _) => (name, f64::NAN),
+            Condition::Noise(sigma) => ("noise, grey levels".to_owned(), sigma),
+            Condition::Hidden { share, from_deg, side } => {
+                let light = if side { "side 45 %" } else { "even" };
+                (format!("share of the rim behind a finger from {from_deg} degrees, {light}"), share)
+            }
+            Condition::Focal => {
+                ("focal length told, share of the true one".to_owned(), row.variant.focal_share)
+            }
+            Condition::Angle(degrees) => ("angle between the cameras, degrees".to_owned(), degrees),
+            Condition::Camera(name, _) => (name.to_owned(), f64::NAN),
         };
-        let mut cells: Vec<Cell> = vec![name.into(), Cell::number(value), row.variant.mode.name().into()];
+        let mut cells: Vec<Cell> =
+            vec![name.as_str().into(), Cell::number(value), row.variant.mode.name().into()];
         cells.extend(row.centres.cells());
         let poses = &row.poses;
         cells.push(Cell::Number(poses.share(), 3));
@@ -247,10 +280,16 @@ fn figure(rows: &[Row]) -> Figure {
         Condition::Noise(sigma) => Some(sigma),
         _ => None,
     };
-    let hidden = |row: &Row| match row.condition {
-        Condition::Hidden(share) => Some(share),
-        _ => None,
-    };
+    let hidden = MODES.map(|mode| {
+        let worst = |wanted: f64| {
+            let own = rows.iter().filter(|row| {
+                row.variant.mode == mode
+                    && matches!(row.condition, Condition::Hidden { share, .. } if share == wanted)
+            });
+            (wanted, largest(own.map(|row| row.centres.mean())))
+        };
+        Series::new(mode.name(), Look::Dotted, colour(mode), HIDDEN.map(worst).to_vec())
+    });
     let focal = |row: &Row| (row.condition == Condition::Focal).then_some(row.variant.focal_share);
     let angle = |row: &Row| match row.condition {
         Condition::Angle(degrees) => Some(degrees),
@@ -272,7 +311,7 @@ fn figure(rows: &[Row]) -> Figure {
         panels: vec![
             panel("Noise", "grey levels", log("mean error of the centre, px"), curves(noise, centre)),
             panel("Noise", "grey levels", log("mean error of the place, mm"), curves(noise, pose)),
-            panel("Finger", "share of the rim hidden", log("mean error of the centre, px"), curves(hidden, centre)),
+            panel("Finger, worst side and light", "share of the rim hidden", log("mean error of the centre, px"), hidden.to_vec()),
             panel("Focal length", "share of the true one", log("mean error of the place, mm"), focal_curves),
             panel("Camera angle", "degrees", log("mean error of the place, mm"), curves(angle, pose)),
         ],

@@ -3,10 +3,12 @@
 //! A figure that was not measured is said to be so and breaks the promise it is held against: no
 //! failure may look like a good figure.
 
-use crate::report::{Cell, Table};
+use crate::report::{Cell, Report, Table};
 
 /// Where the paper says, or Tetrad promises, nothing.
 pub(super) const NOTHING: &str = "\u{2013}";
+
+const NOT_HELD: &str = "NOT held";
 
 const NOT_MEASURED: &str = "not measured";
 
@@ -26,7 +28,7 @@ impl Headline {
         match (self.promised, self.refined.holds()) {
             (NOTHING, _) => NOTHING,
             (_, true) => "held",
-            (_, false) => "NOT held",
+            (_, false) => NOT_HELD,
         }
     }
 }
@@ -155,6 +157,14 @@ pub(super) fn table(headlines: &[Headline]) -> Table {
         columns: vec!["what", "the paper, published", "refined", "promised", "promise", "paper mode"],
         rows: headlines.iter().map(row).collect(),
     }
+}
+
+/// What the promises of a report that are not held are about.
+#[must_use]
+pub fn broken_promises(report: &Report) -> Vec<String> {
+    let broken = |row: &&Vec<Cell>| row.iter().any(|cell| cell.text() == NOT_HELD);
+    let rows = report.headlines.rows.iter().filter(broken);
+    rows.filter_map(|row| row.first()).map(|cell| cell.text().to_string()).collect()
 }
 
 #[cfg(test)]

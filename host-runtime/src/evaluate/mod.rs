@@ -10,6 +10,7 @@
 //! cases it needs, and what it makes of their traces. The same seed gives the same tables to the byte,
 //! but for those of times.
 
+mod backdrops;
 mod conditions;
 mod delays;
 mod drift;
@@ -29,6 +30,7 @@ mod uncertainty;
 
 use crate::report::{Report, Section};
 use headline::Headline;
+pub use headline::broken_promises;
 use run::RunError;
 use trace::{Case, Trace};
 
@@ -77,7 +79,7 @@ struct Experiment {
 }
 
 /// In the order of the page.
-const EXPERIMENTS: [Experiment; 9] = [
+const EXPERIMENTS: [Experiment; 10] = [
     Experiment { cases: scans::cases, outcome: scans::outcome },
     Experiment {
         cases: static_centre::cases,
@@ -87,6 +89,7 @@ const EXPERIMENTS: [Experiment; 9] = [
     Experiment { cases: paths::cases, outcome: |plan, traced| Ok(paths::outcome(plan, traced)) },
     Experiment { cases: drift::cases, outcome: |plan, traced| Ok(drift::outcome(plan, traced)) },
     Experiment { cases: conditions::cases, outcome: |plan, traced| Ok(conditions::outcome(plan, traced)) },
+    Experiment { cases: backdrops::cases, outcome: |plan, traced| Ok(backdrops::outcome(plan, traced)) },
     Experiment { cases: uncertainty::cases, outcome: |plan, traced| Ok(uncertainty::outcome(plan, traced)) },
     Experiment { cases: smoothing::cases, outcome: |plan, traced| Ok(smoothing::outcome(plan, traced)) },
     Experiment { cases: delays::cases, outcome: |plan, traced| Ok(delays::outcome(plan, traced)) },
@@ -155,7 +158,7 @@ fn about() -> Vec<String> {
     vec![
         "\u{201c}refined\u{201d} is Tetrad's own method, \u{201c}paper mode\u{201d} the paper's as built here; both \
          track the same pictures: 640x480 pixels, two cameras about 1 m from the hand, balls of 20 mm on arms \
-         of 80 mm, noise of 2 grey levels, unless a section says otherwise. \u{201c}At most\u{201d} is the \
+         of 80 mm, noise of 2 grey levels, before a light and smooth backdrop, unless a section says otherwise. \u{201c}At most\u{201d} is the \
          largest error of all. A share measured is told where it is below 100 %, of several runs the \
          lowest; a figure that is missing keeps no promise."
             .to_owned(),

@@ -58,16 +58,18 @@ pub struct Section {
 }
 
 impl Report {
-    /// Removes the page of an earlier report, if there is one.
+    /// Makes sure that a report can be written into `dir`, and removes the page and the headlines of an
+    /// earlier one.
     ///
     /// # Errors
     /// [`OutputError`] naming the file.
-    pub fn remove(dir: &Path) -> Result<(), OutputError> {
-        let path = dir.join(PAGE);
-        match std::fs::remove_file(&path) {
-            Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => Err(OutputError { path, cause }),
-            _ => Ok(()),
+    pub fn claim(dir: &Path) -> Result<(), OutputError> {
+        for name in [PAGE, HEADLINES] {
+            write(dir, name, "")?;
+            let path = dir.join(name);
+            std::fs::remove_file(&path).map_err(|cause| OutputError { path, cause })?;
         }
+        Ok(())
     }
 
     /// Writes every file of the report into `dir`.

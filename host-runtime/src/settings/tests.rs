@@ -25,6 +25,9 @@ fn files() -> TempDir {
     let scene = r#"{"fps": 25, "arm_m": 0.08, "seeds": {"left": {"red": [1, 2], "blue": [3, 4]},
                     "right": {"red": [5, 6], "blue": [7, 8]}}}"#;
     fs::write(dir.path().join("scene.json"), scene).unwrap();
+    let loose = r#"{"rigid": false, "arm_m": 0.08, "seeds": {"left":
+                    {"red": [1, 2], "green": [1, 2], "blue": [3, 4], "yellow": [3, 4]}}}"#;
+    fs::write(dir.path().join("loose.json"), loose).unwrap();
     fs::write(dir.path().join("one.json"), r#"{"seeds": {"left": {"red": [1, 2]}}}"#).unwrap();
     dir
 }
@@ -112,7 +115,7 @@ fn the_bounds_of_an_arm_are_the_solvers_and_the_helps() {
 fn what_is_missing_or_contradicts_is_named() {
     let dir = files();
     let cases = [
-        ("--left a --out o", "--colours-left"),
+        ("--left a --out o", "<--colours-left <FILE>|--scene <FILE>>"),
         ("--colours-left four.toml --out o", "--left"),
         ("--left a --colours-left four.toml", "--out"),
         ("--left a --colours-left four.toml --scene scene.json --out o", "cannot be used with"),
@@ -138,6 +141,8 @@ fn what_is_missing_or_contradicts_is_named() {
             "the paper's method needs two cameras",
         ),
         ("--left a --colours-left four.toml --one-camera-pose --out o", "--arm-mm"),
+        ("--left a --colours-left four.toml --balls red --one-camera-pose --out o", "needs all four balls"),
+        ("--left a --scene loose.json --one-camera-pose --out o", "loose.json: rigid is false"),
         ("--left a --colours-left four.toml --balls red,pink --out o", "`pink`"),
         ("--left a --colours-left red.toml --out o", "the green ball is missing"),
         ("--left a --colours-left none.toml --out o", "none.toml"),
