@@ -1,19 +1,24 @@
 //! Promise: a change of accuracy shows. A grid of size, light, noise and a finger over the rim is
 //! tracked, and the table of errors is compared with tests/snapshots/accuracy.txt.
 //!
-//! Not a bound but a picture of where `paper` mode is good and where it is not.
+//! Not a bound but a picture of where `paper` mode is good and where it is not, and where `refined` is,
+//! at one noise.
 //! `TETRAD_BLESS=1 cargo test -p tetrad-tests --test accuracy_grid` rewrites it: read the difference.
 
 mod common;
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
+use tetrad_core::config::{CentreMode, TrackerConfig};
 use tetrad_core::observation::Ball;
+use tetrad_core::vision::frame::PixelFormat;
 use tetrad_fixtures::golden::{self, GoldenError};
 use tetrad_fixtures::{Anchor, Light, Occluder};
 
 const DIAMETERS_PX: [u32; 4] = [8, 16, 32, 65];
 const NOISES: [f64; 3] = [1.0, 3.0, 8.0];
+/// The noise at which `refined` is tracked too.
+const REFINED_NOISE: f64 = 3.0;
 const FRAMES: usize = 30;
 
 /// The finger rests over the red ball from this frame on; it comes from outside in the ten before.
@@ -34,20 +39,20 @@ impl Cell {
         }
     }
 
-    /// Mean and maximum, and the share of frames that were measured.
-    fn text(&self) -> String {
+    /// Mean and maximum to so many places, and the share of frames that were measured.
+    fn text(&self, places: usize) -> String {
         let share = 100 * self.errors_px.len() / self.frames.max(1);
         if self.errors_px.is_empty() {
             return format!("{:>16} {share:3} %", "-");
         }
         let mean = self.errors_px.iter().sum::<f64>() / self.errors_px.len() as f64;
         let max = self.errors_px.iter().copied().fold(0.0, f64::max);
-        format!("{mean:7.2} {max:8.2} {share:3} %")
+        format!("{mean:7.places$} {max:8.places$} {share:3} %")
     }
 }
 
 /// One line of the table: balls in full sight, and the red ball under a finger.
-fn row(diameter: u32, light: &str, noise_sigma: f64) -> String {
+fn row(config: TrackerConfig, diameter: u32, light: &str, noise_sigma: f64) -> String {
     let name = if light == "side" { "static-side" } else { "static" };
     let mut scene = common::scene(&format!("{name}-{diameter}px"));
     if light == "room" {
@@ -61,7 +66,7 @@ fn row(diameter: u32, light: &str, noise_sigma: f64) -> String {
     scene.occluders = vec![Occluder::finger(Anchor::Ball(Ball::Red), PI, 0.9, reach)];
 
     let (mut whole, mut covered) = (Cell::default(), Cell::default());
-    common::track(&scene, 0, |tracked| {
+    common::track_as(&scene, 0, config, PixelFormat::Rgb888, |tracked| {
         for ball in Ball::ALL {
             let (truth, seen) = tracked.ball(ball);
             let (measured, error_px) = (seen.state.is_measured(), tracked.error_px(ball));
@@ -73,7 +78,8 @@ fn row(diameter: u32, light: &str, noise_sigma: f64) -> String {
         }
     });
     assert!(whole.frames > 3 * FRAMES && covered.frames > 5, "{} and {}", whole.frames, covered.frames);
-    format!("{diameter:>5} {light:<5} {noise_sigma:>5} | {} | {}", whole.text(), covered.text())
+    let places = if config.centre.mode == CentreMode::Refined { 3 } else { 2 };
+    format!("{diameter:>5} {light:<5} {noise_sigma:>5} | {} | {}", whole.text(places), covered.text(places))
 }
 
 #[test]
@@ -89,8 +95,14 @@ fn errors_over_size_light_noise_and_a_finger() -> Result<(), GoldenError> {
         for light in ["even", "room", "side"] {
             for noise_sigma in NOISES {
                 // writing to a string cannot fail
-                let _ = writeln!(table, "{}", row(diameter, light, noise_sigma));
+                let _ = writeln!(table, "{}", row(TrackerConfig::paper(), diameter, light, noise_sigma));
             }
+        }
+    }
+    table.push_str("# The same in refined mode\n");
+    for diameter in DIAMETERS_PX {
+        for light in ["even", "room", "side"] {
+            let _ = writeln!(table, "{}", row(TrackerConfig::default(), diameter, light, REFINED_NOISE));
         }
     }
     golden::check_file(&tetrad_tests::repository().join("tests/snapshots/accuracy.txt"), table.as_bytes())
