@@ -109,8 +109,9 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
 fn make_dir(dir: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(dir).map_err(|cause| {
         let cause = anyhow::Error::new(cause).context(format!("cannot make the directory {}", dir.display()));
-        Failure::new(Exit::BadArguments, cause)
-            .help("--out names a folder that is there or can be made: give one you may write to, such as ./out")
+        Failure::new(Exit::BadArguments, cause).help(
+            "--out names a folder that is there or can be made: give one you may write to, such as ./out",
+        )
     })
 }
 
