@@ -22,6 +22,8 @@
 //!
 //! [`robot`] opens what is to be driven: the ports between the slave's law and a controller of an arm.
 //!
+//! [`console`] is the operator's page in a browser: what the operator's loop knows, and its buttons.
+//!
 //! [`link`] joins the stations: packets, pictures and clocks over QUIC, between named stations only.
 //!
 //! Files of text are read by `text_file`, which no name of a pipe can hold up.
@@ -34,6 +36,7 @@ pub mod camera_start;
 pub mod cli;
 pub mod colours;
 pub mod comparison;
+pub mod console;
 pub mod evaluate;
 pub mod exit;
 pub mod filter_quality;

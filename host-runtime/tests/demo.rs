@@ -24,12 +24,15 @@ fn a_headless_demo_tracks_every_frame_and_saves_what_it_saw() {
 }
 
 #[test]
-fn without_headless_it_keeps_time_and_ends_after_the_seconds_given() {
+fn without_headless_it_keeps_time_names_its_console_and_nobody_moves_the_arm() {
     let dir = tempfile::tempdir().unwrap();
     let started = std::time::Instant::now();
     let ran = tetrad(dir.path(), "demo --seconds 1.5 --scene still --out out").done();
     assert!(started.elapsed().as_secs_f64() > 1.4, "real time");
-    assert!(ran.stdout.contains("balls seen 4/4 4/4"), "a live line: {}", ran.stdout);
-    let last = csv(&dir.path().join("out/pose.csv")).pop().unwrap();
-    assert!(last[0].parse::<u32>().unwrap() < 45, "frames of 1.5 s: {last:?}");
+    assert!(ran.stdout.starts_with("console         http://127.0.0.1:"), "{}", ran.stdout);
+    let out = dir.path().join("out");
+    let poses = csv(&out.join("pose.csv")).len() - 1;
+    assert!((1..=46).contains(&poses), "{poses} instants of 1.5 s");
+    let states = csv(&out.join("arm_state.csv"));
+    assert!(states.len() > 1 && states[1..].iter().all(|row| row[3] == "stopped"), "{states:?}");
 }

@@ -4,11 +4,11 @@ use super::interrupt::Interrupt;
 use super::memory::Memory;
 use super::{note, say, tell_aside};
 use crate::exit::{Exit, Failure, OrExit as _};
-use crate::link::{Carrier as _, Link, Peer};
+use crate::link::{Carrier as _, Link, Peer, Picture};
 use crate::robot::clock::Clock;
 use crate::settings::station::{NetworkSettings, StationSettings};
 use crate::station::camera::Step;
-use crate::station::{CameraSink, CameraStation, Label, Preview};
+use crate::station::{CameraSink, CameraStation, Label, Marks, Preview};
 use anyhow::Context as _;
 use clap::Args;
 use std::path::PathBuf;
@@ -138,13 +138,14 @@ impl Peers {
     fn new(link: &Link, preview_fps: f64) -> Result<Self, Failure> {
         let peers: Vec<Peer> = link.peers().collect();
         let lookers = peers.clone();
-        let send = move |picture| {
+        let send = move |picture: Picture, _: &ObservationPacket| {
             for peer in &lookers {
                 // one that is too large is one that nobody sees; the next may not be
                 let _ = peer.send_picture(&picture);
             }
         };
-        let preview = (preview_fps > 0.0).then(|| Preview::start(preview_fps, send)).transpose();
+        let preview =
+            (preview_fps > 0.0).then(|| Preview::start(preview_fps, Marks::Drawn, send)).transpose();
         let preview = preview.context("the preview's thread cannot be started").or_exit(Exit::Failed)?;
         Ok(Self { peers, preview })
     }

@@ -7,8 +7,8 @@ use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::MDNS;
 use crate::settings::Start;
 use crate::settings::station::{
-    CameraSettings, CameraStart, HandCamera, LocalCamera, NetworkSettings, OperatorSettings, SceneCamera,
-    SlavePlace, SlaveSettings, StationSettings,
+    CameraSettings, CameraStart, ConsoleSettings, HandCamera, LocalCamera, NetworkSettings, OperatorSettings,
+    SceneCamera, SlavePlace, SlaveSettings, StationSettings,
 };
 use clap::Args;
 use std::fmt::Display;
@@ -46,6 +46,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
     }
     if let Some(operator) = &settings.operator {
         tell_operator(operator);
+    }
+    if let Some(console) = &settings.console {
+        tell_console(console);
     }
     let here = settings.operator.as_ref().is_some_and(|operator| operator.slave == SlavePlace::Here);
     if here || settings.slave.operator.is_some() || settings.slave.arm.port.is_some() {
@@ -150,6 +153,12 @@ fn tell_operator(operator: &OperatorSettings) {
         SlavePlace::Here => row("arm", "at this station"),
         SlavePlace::Station(name) => row("arm", format_args!("at the station {name}")),
     }
+}
+
+fn tell_console(console: &ConsoleSettings) {
+    let whom = if console.listen.ip().is_loopback() { "for this computer alone" } else { "over TLS" };
+    let token = if console.token_file.is_some() { ", with a token" } else { "" };
+    row("console", format_args!("at {}, {whom}{token}", console.listen));
 }
 
 fn tell_slave(slave: &SlaveSettings, here: bool) {

@@ -1,54 +1,52 @@
-//! `tetrad demo`: simulated cameras and hand, learnt and tracked as real ones are, a simulated PUMA 560
-//! that follows, and all of it compared with the truth.
+//! `tetrad demo`: simulated cameras and hand, learnt and tracked as real ones are, and a simulated PUMA 560
+//! that follows.
+//!
+//! In real time it is the operator's own run with the console ([`live`]). With `--headless` it goes as fast
+//! as it can, by the scene's clock, and all of it is compared with the truth.
 
 mod arm;
+mod live;
 
 use super::interrupt::Interrupt;
+use super::operator::longest;
 use super::{make_results_dir, note, progress, say};
 use crate::balls::BallSet;
 use crate::comparison::{self, BallCounts, Comparison};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::learning;
 use crate::output::{CameraSummary, Canvas, RecordedCamera, Recorder, Spread, Stamp, TruthCsv};
-use crate::pipeline::{CameraStep, Pipeline, Step};
+use crate::pipeline::{CameraStep, Pipeline};
 use crate::settings::{FilterArgs, Mode};
 use crate::source::View;
 use anyhow::Context as _;
 use arm::{ArmSummary, DemoArm};
 use clap::Args;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 use tetrad_core::arm::teleop::State;
 use tetrad_core::config::{LearnConfig, ProposeConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::filter::PoseFilter;
-use tetrad_core::observation::BALLS;
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
 use tetrad_core::vision::learn::propose::propose;
 use tetrad_fixtures::Scene;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
-  Watch it work, in real time, until Ctrl-C:
+  In real time, in the console that it names, until Ctrl-C: hold the space bar there to move the arm
     tetrad demo
   As fast as it goes over ten simulated seconds, for scripts:
     tetrad demo --headless --seconds 10 --out demo-out
 
-DIR gets the files of `tetrad track`, the truth (truth.csv, truth_pose.csv), arm.csv and seen.png: a
-frame from the middle of the run with search windows and centres drawn over it.";
+With --headless DIR gets the files of `tetrad track`, the truth (truth.csv, truth_pose.csv), arm.csv and
+seen.png: a frame from the middle of the run with search windows and centres drawn over it. Else it gets
+those of `tetrad operator`.";
 
 /// Simulated seconds of a headless run that does not say.
 const HEADLESS_SECONDS: f64 = 10.0;
 
-/// The longest run that can be asked for, simulated seconds: a day.
-const MAX_SECONDS: f64 = 86_400.0;
-
 /// The picture with what was seen drawn over it.
 const PICTURE: &str = "seen.png";
-
-/// When that picture is taken in a run without an end, simulated seconds.
-const PICTURE_AFTER_S: f64 = 1.0;
 
 /// The cameras' names, in the scene's order.
 const CAMERAS: [View; 2] = [View::Left, View::Right];
@@ -56,10 +54,10 @@ const CAMERAS: [View; 2] = [View::Left, View::Right];
 /// The flags of `tetrad demo`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct DemoArgs {
-    /// Simulated seconds [default: 10 with --headless, else until Ctrl-C]
+    /// Seconds, with --headless simulated ones [default: 10 with --headless, else until Ctrl-C]
     #[arg(long, value_name = "N")]
     seconds: Option<f64>,
-    /// As fast as it goes and without a live line, for scripts
+    /// As fast as it goes, without the console, compared with the truth: for scripts
     #[arg(long)]
     headless: bool,
     /// Where results go; made if missing
@@ -68,7 +66,7 @@ pub(super) struct DemoArgs {
     /// The simulated scene
     #[arg(long, value_name = "NAME", default_value = "demo")]
     scene: String,
-    /// How centres and poses are computed
+    /// How centres are computed, and with --headless poses too
     #[arg(long, value_enum, default_value_t = Mode::Refined)]
     mode: Mode,
     #[command(flatten)]
@@ -77,6 +75,9 @@ pub(super) struct DemoArgs {
 
 /// Runs `tetrad demo`.
 pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
+    if !args.headless {
+        return live::run(args);
+    }
     let scene = scene(&args.scene)?;
     let frames = frames(args, scene.fps)?;
     make_results_dir(&args.out)?;
@@ -109,16 +110,11 @@ fn scene(name: &str) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
-/// How many frames to run; `None` until Ctrl-C.
-fn frames(args: &DemoArgs, fps: f64) -> Result<Option<u64>, Failure> {
-    let seconds = args.seconds.or(args.headless.then_some(HEADLESS_SECONDS));
-    match seconds {
-        Some(s) if !(s > 0.0 && s <= MAX_SECONDS) => Err(Failure::bad_arguments(format!(
-            "--seconds {s}: a number above 0 and up to {MAX_SECONDS} is needed"
-        ))),
-        Some(s) => Ok(Some((s * fps).ceil() as u64)),
-        None => Ok(None),
-    }
+/// How many frames to run.
+fn frames(args: &DemoArgs, fps: f64) -> Result<u64, Failure> {
+    let seconds = args.seconds.unwrap_or(HEADLESS_SECONDS);
+    longest(Some(seconds))?;
+    Ok((seconds * fps).ceil() as u64)
 }
 
 /// The simulated cameras, with the pictures they gave last.
@@ -209,32 +205,23 @@ impl<'a> Demo<'a> {
         })
     }
 
-    fn run(
-        &mut self,
-        cameras: &mut Cameras<'_>,
-        frames: Option<u64>,
-        interrupt: &Interrupt,
-    ) -> Result<(), Failure> {
-        self.picture_at = Some(frames.map_or((PICTURE_AFTER_S * self.scene.fps) as u64, |n| n / 2));
-        let bar = progress::frames(frames);
-        let mut clock = Clock::start(self.scene.fps, self.args.headless);
+    fn run(&mut self, cameras: &mut Cameras<'_>, frames: u64, interrupt: &Interrupt) -> Result<(), Failure> {
+        self.picture_at = Some(frames / 2);
+        let bar = progress::frames(Some(frames));
         let mut frame = 0;
         loop {
             cameras.render(frame as usize);
-            let step = self.step(frame, &cameras.views()?)?;
-            bar.set_position(frame + 1);
-            if clock.a_second_went_by() {
-                bar.suspend(|| say(self.live_line(frame, &step)));
-            }
-            frame = clock.next(frame);
-            if frames.is_some_and(|n| frame >= n) || interrupt.asked() {
+            self.step(frame, &cameras.views()?)?;
+            frame += 1;
+            bar.set_position(frame);
+            if frame >= frames || interrupt.asked() {
                 bar.finish_and_clear();
                 return Ok(());
             }
         }
     }
 
-    fn step(&mut self, frame: u64, views: &[FrameView<'_>]) -> Result<Step, Failure> {
+    fn step(&mut self, frame: u64, views: &[FrameView<'_>]) -> Result<(), Failure> {
         let index = frame as usize;
         let t_s = self.scene.time_s(index);
         let stamp = (frame, t_s);
@@ -260,62 +247,7 @@ impl<'a> Demo<'a> {
             }
             canvas.save(&self.args.out.join(PICTURE)).or_exit(Exit::Failed)?;
         }
-        Ok(step)
-    }
-
-    fn live_line(&self, frame: u64, step: &Step) -> String {
-        let seen = step.cameras.iter().map(|camera| {
-            let measured = camera.report.observations.iter().filter(|seen| seen.state.is_measured()).count();
-            format!("{measured}/{BALLS}")
-        });
-        let seen = seen.collect::<Vec<_>>().join(" ");
-        let slowest = step.cameras.iter().map(|camera| camera.tracking).max().unwrap_or_default();
-        let pose = step.hand.and_then(|hand| hand.report.pose).map_or_else(
-            || "hand not seen".to_owned(),
-            |pose| {
-                let x = pose.translation * 1e3;
-                format!("x {:+6.1} y {:+6.1} z {:+6.1} mm", x.x, x.y, x.z)
-            },
-        );
-        let t_s = self.scene.time_s(frame as usize);
-        let arm = self.arm.live_line();
-        format!("{t_s:6.1} s  {pose}  balls seen {seen}  {} us  {arm}", slowest.as_micros())
-    }
-}
-
-/// Frames in real time, or as fast as they come.
-struct Clock {
-    started: Instant,
-    fps: f64,
-    headless: bool,
-    /// Whole seconds that were told.
-    told: u64,
-}
-
-impl Clock {
-    fn start(fps: f64, headless: bool) -> Self {
-        Self { started: Instant::now(), fps, headless, told: 0 }
-    }
-
-    /// The frame after this one. In real time it waits for it; frames that were due already are left
-    /// out, as a camera does when nobody takes them.
-    fn next(&self, frame: u64) -> u64 {
-        if self.headless {
-            return frame + 1;
-        }
-        let elapsed = self.started.elapsed();
-        let next = (frame + 1).max((elapsed.as_secs_f64() * self.fps) as u64);
-        let due = Duration::from_secs_f64(next as f64 / self.fps);
-        std::thread::sleep(due.saturating_sub(elapsed));
-        next
-    }
-
-    /// Once a second of real time, when not headless.
-    fn a_second_went_by(&mut self) -> bool {
-        let seconds = self.started.elapsed().as_secs();
-        let went_by = !self.headless && seconds > self.told;
-        self.told = seconds;
-        went_by
+        Ok(())
     }
 }
 

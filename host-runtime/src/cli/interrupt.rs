@@ -20,6 +20,12 @@ impl Interrupt {
         Ok(Self(asked))
     }
 
+    /// Without Ctrl-C.
+    #[cfg(test)]
+    pub(super) fn by_hand() -> Self {
+        Self(Arc::default())
+    }
+
     /// What is set then; whoever sets it asks as well.
     pub(super) fn flag(&self) -> &AtomicBool {
         &self.0

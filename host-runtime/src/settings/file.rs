@@ -4,7 +4,7 @@
 //! unknown key, a value of another kind or out of range is an error that names the file and the key.
 
 use super::arm::{ArmToml, GovernorToml, SlaveToml, TeleopToml, WorkspaceToml};
-use super::station::{CameraToml, OperatorToml, PeerToml, StationToml};
+use super::station::{CameraToml, ConsoleToml, OperatorToml, PeerToml, StationToml};
 use crate::robot::canopen::CanopenConfig;
 use crate::text_file;
 use serde::Deserialize;
@@ -54,6 +54,7 @@ pub(super) struct FileToml {
     pub(super) peer: Vec<PeerToml>,
     pub(super) camera: Option<CameraToml>,
     pub(super) operator: Option<OperatorToml>,
+    pub(super) console: Option<ConsoleToml>,
     pub(super) slave: Option<SlaveToml>,
     pub(super) arm: Option<ArmToml>,
     pub(super) teleop: Option<TeleopToml>,

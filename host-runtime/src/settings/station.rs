@@ -6,22 +6,26 @@
 //! | `[[peer]]` | the stations it talks to; nobody else gets in | every station |
 //! | `[camera]` | one camera and its colours | `tetrad camera` |
 //! | `[operator]`, `[[operator.camera]]` | the hand, its cameras, where the arm is | `tetrad operator` |
+//! | `[console]` | where the operator's page is served, and to whom | `tetrad operator` |
 //! | `[slave]`, `[[slave.camera]]` and the [arm's tables](super::arm) | the arm, the cameras of its scene | `tetrad slave` |
 //!
 //! docs/stations.md lists every key with its default. What a file names (keys, colours) lies beside it:
 //! such a path is relative to the file.
 
 mod camera;
+mod console;
 mod network;
 mod operator;
 mod slave;
 
 pub use camera::{CameraSettings, CameraStart, LocalCamera};
+pub use console::{ConsolePort, ConsoleSettings, ConsoleTls};
 pub use network::NetworkSettings;
 pub use operator::{HandCamera, HandCameraSettings, OperatorSettings, SlavePlace};
 pub use slave::{SceneCamera, SceneCameraSettings, SlaveSettings};
 
 pub(super) use camera::CameraToml;
+pub(super) use console::ConsoleToml;
 pub(super) use network::{PeerToml, StationToml};
 pub(super) use operator::OperatorToml;
 pub(super) use slave::SceneCameraToml;
@@ -40,6 +44,8 @@ pub struct StationSettings {
     pub camera: Option<CameraSettings>,
     /// What makes it an operator's.
     pub operator: Option<OperatorSettings>,
+    /// Where its console is served; `None` for one without.
+    pub console: Option<ConsoleSettings>,
     /// The arm; the default one where the file says nothing of it.
     pub slave: SlaveSettings,
 }
@@ -62,6 +68,7 @@ impl StationSettings {
             file: file.to_owned(),
             camera: toml.camera.as_ref().map(|camera| camera.checked("[camera]", dir)).transpose()?,
             operator: toml.operator.as_ref().map(|operator| operator.checked(dir)).transpose()?,
+            console: toml.console.as_ref().map(|console| console.checked(dir)).transpose()?,
             slave: SlaveSettings::checked(toml, dir)?,
             network,
         };
@@ -69,6 +76,10 @@ impl StationSettings {
             let mend = "there is no [station], and a camera station needs it: docs/stations.md has a whole \
                         file for each station";
             return Err(("[camera]".to_owned(), mend.to_owned()));
+        }
+        if settings.console.is_some() && settings.operator.is_none() {
+            let mend = "it is the operator's, and there is no [operator]: leave it out".to_owned();
+            return Err(("[console]".to_owned(), mend));
         }
         let here = settings.operator.as_ref().is_some_and(|operator| operator.slave == SlavePlace::Here);
         if let Some(name) = settings.slave.operator.as_ref().filter(|_| here) {

@@ -41,6 +41,9 @@ pub trait CameraSink {
     fn pictured(&mut self, _picture: &FrameView<'_>, _packet: &ObservationPacket) {}
 }
 
+/// What is lent each picture on the camera's thread, with what was seen in it. It keeps nobody waiting.
+pub type Onlooker = Box<dyn FnMut(&FrameView<'_>, &ObservationPacket) + Send>;
+
 impl<F: FnMut(&ObservationPacket)> CameraSink for F {
     fn observed(&mut self, packet: &ObservationPacket) {
         self(packet);

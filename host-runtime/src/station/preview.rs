@@ -1,8 +1,9 @@
-//! Pictures of a camera with what was seen drawn over them, as JPEG, for people.
+//! Pictures of a camera as JPEG, for people, with what was seen drawn over them or told beside.
 //!
 //! Drawing and encoding have a thread of their own: the camera's hands over a copy of a picture now and
 //! then, and never waits. Of pictures that wait the newest counts.
 
+use super::step_back::step_back;
 use crate::link::Picture;
 use crate::output::Canvas;
 use jpeg_encoder::{ColorType, Encoder, EncodingError};
@@ -14,6 +15,15 @@ use tetrad_core::wire::ObservationPacket;
 
 /// Of the JPEG: what is looked at is where the marks are.
 const QUALITY: u8 = 75;
+
+/// Where the balls are marked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marks {
+    /// In the picture.
+    Drawn,
+    /// By whoever shows it.
+    Beside,
+}
 
 /// A camera's preview. Where it is dropped, its thread ends.
 pub struct Preview {
@@ -46,15 +56,20 @@ struct Job {
 }
 
 impl Preview {
-    /// Starts the thread that draws; `send` gets at most `fps` pictures a second.
+    /// Starts the thread that draws; `send` gets at most `fps` pictures a second, with what was seen in
+    /// each.
     ///
     /// # Errors
     /// The system has no thread left.
-    pub fn start(fps: f64, send: impl FnMut(Picture) + Send + 'static) -> io::Result<Self> {
+    pub fn start(
+        fps: f64,
+        marks: Marks,
+        send: impl FnMut(Picture, &ObservationPacket) + Send + 'static,
+    ) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
         let thread =
-            std::thread::Builder::new().name("preview".to_owned()).spawn(move || theirs.work(send))?;
+            std::thread::Builder::new().name("preview".to_owned()).spawn(move || theirs.work(marks, send))?;
         let period_us = (1e6 / fps.max(1e-3)) as u64;
         Ok(Self { shared, period_us, due_us: 0, thread: Some(thread) })
     }
@@ -102,13 +117,15 @@ impl Shared {
         if desk.over { None } else { desk.waiting.take() }
     }
 
-    fn work(&self, mut send: impl FnMut(Picture)) {
+    fn work(&self, marks: Marks, mut send: impl FnMut(Picture, &ObservationPacket)) {
+        step_back();
         let mut sequence = 0;
         while let Some(job) = self.take() {
             let ObservationPacket { camera, session, capture_us, width, height, .. } = job.packet;
             // a picture that the tracker has read has a size that can be encoded
-            if let Ok(jpeg) = job.drawn() {
-                send(Picture { camera, session, sequence, capture_us, width, height, jpeg });
+            if let Ok(jpeg) = job.drawn(marks) {
+                let picture = Picture { camera, session, sequence, capture_us, width, height, jpeg };
+                send(picture, &job.packet);
                 sequence = sequence.wrapping_add(1);
             }
             self.lock().spare = job.bytes;
@@ -117,12 +134,14 @@ impl Shared {
 }
 
 impl Job {
-    fn drawn(&self) -> Result<Vec<u8>, EncodingError> {
+    fn drawn(&self, marks: Marks) -> Result<Vec<u8>, EncodingError> {
         let ObservationPacket { width, height, .. } = self.packet;
         let mut jpeg = Vec::new();
         if let Ok(view) = FrameView::new(&self.bytes, width, height, self.stride, self.format) {
             let mut canvas = Canvas::side_by_side(&[view]);
-            canvas.circles(&self.packet.balls);
+            if marks == Marks::Drawn {
+                canvas.circles(&self.packet.balls);
+            }
             Encoder::new(&mut jpeg, QUALITY).encode(canvas.rgb(), width, height, ColorType::Rgb)?;
         }
         Ok(jpeg)
@@ -166,7 +185,8 @@ mod tests {
     #[test]
     fn due_pictures_come_as_jpeg_with_the_balls_marked() {
         let (send, sent) = mpsc::channel();
-        let mut preview = Preview::start(10.0, move |picture| send.send(picture).unwrap()).unwrap();
+        let mut preview =
+            Preview::start(10.0, Marks::Drawn, move |picture, _| send.send(picture).unwrap()).unwrap();
         let bytes = vec![40; usize::from(SIDE) * usize::from(SIDE) * 3];
         let view = FrameView::packed(&bytes, SIDE, SIDE, PixelFormat::Rgb888).unwrap();
         let mut next = |capture_us, due: bool| {
@@ -192,7 +212,8 @@ mod tests {
     #[test]
     fn a_slow_reader_gets_the_newest() {
         let (send, sent) = mpsc::sync_channel(0);
-        let mut preview = Preview::start(1e3, move |picture| send.send(picture).unwrap()).unwrap();
+        let mut preview =
+            Preview::start(1e3, Marks::Drawn, move |picture, _| send.send(picture).unwrap()).unwrap();
         let bytes = vec![40; usize::from(SIDE) * usize::from(SIDE) * 3];
         let view = FrameView::packed(&bytes, SIDE, SIDE, PixelFormat::Rgb888).unwrap();
         for number in 0..200 {

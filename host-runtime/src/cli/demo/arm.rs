@@ -115,11 +115,6 @@ impl DemoArm {
         Ok(())
     }
 
-    /// One line on the arm.
-    pub(super) fn live_line(&self) -> String {
-        self.last.map_or_else(String::new, |status| format!("arm {}", status.state().name()))
-    }
-
     /// What the run came to; `hand` is where the hand truly was at a time of the scene, in the axes of
     /// the first complete frame.
     pub(super) fn summary(&self, hand: impl Fn(f64) -> Truth) -> ArmSummary {

@@ -1,9 +1,12 @@
 //! The cameras that see the hand, wherever they are.
 
+use crate::console::snapshot::{BallView, CameraView};
+use crate::console::{Desk, onlooker};
 use crate::exit::{Exit, Failure, OrExit as _};
-use crate::link::{Carrier as _, Doorbell, Link, Peer, Received};
+use crate::link::{Carrier as _, Doorbell, Link, Peer, Picture, Received};
 use crate::robot::clock::Clock;
 use crate::settings::station::{HandCamera, HandCameraSettings};
+use crate::station::pairing::Pairing;
 use crate::station::{CameraStation, CameraThread, Label, SerialNode};
 use anyhow::Context as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -21,6 +24,8 @@ pub(super) struct HandEye {
     pub(super) heard_us: Option<u64>,
     /// How many came.
     pub(super) count: u64,
+    /// The last of them.
+    last: Option<ObservationPacket>,
 }
 
 enum Place {
@@ -42,6 +47,7 @@ impl Cameras {
         session: u32,
         clock: &Clock,
         bell: &Doorbell,
+        desk: Option<&Desk>,
     ) -> Result<Self, Failure> {
         let mut eyes = Vec::new();
         for (camera, number) in settings.iter().zip(0..) {
@@ -64,17 +70,38 @@ impl Cameras {
                 HandCamera::Local(local) => {
                     let label = Label { camera: number, session };
                     let station = CameraStation::open(local, label, clock.clone())?;
-                    let thread = CameraThread::start(station, ring);
+                    let onlooker = desk.map(|desk| onlooker(desk, usize::from(number))).transpose();
+                    let onlooker =
+                        onlooker.context("a preview's thread cannot be started").or_exit(Exit::Failed)?;
+                    let thread = CameraThread::start(station, ring, onlooker);
                     Place::Here(thread.context("a camera's thread cannot be started").or_exit(Exit::Failed)?)
                 }
             };
-            let name = match &camera.place {
-                HandCamera::Local(local) => format!("{} {}", camera.source, local.options.view.name()),
-                HandCamera::Station(_) | HandCamera::Serial { .. } => camera.source.clone(),
-            };
-            eyes.push(HandEye { name, place, heard_us: None, count: 0 });
+            eyes.push(HandEye { name: name(camera), place, heard_us: None, count: 0, last: None });
         }
         Ok(Self(eyes))
+    }
+
+    /// Pictures that camera stations send to be looked at, each with its camera's place.
+    pub(super) fn pictures(&self) -> impl Iterator<Item = (usize, Received<Picture>)> {
+        self.0.iter().enumerate().filter_map(|(at, eye)| match &eye.place {
+            Place::Station(peer) => Some((at, peer.picture(CAMERA)?)),
+            Place::Serial(_) | Place::Here(_) | Place::Over => None,
+        })
+    }
+
+    /// What the console shows of them.
+    pub(super) fn views(&self, pairing: &Pairing, now_us: u64) -> Vec<CameraView> {
+        let view = |(at, eye): (usize, &HandEye)| CameraView {
+            name: eye.name.clone(),
+            view: (!matches!(eye.place, Place::Serial(_))).then_some(at),
+            age_us: eye.heard_us.map(|heard_us| now_us.saturating_sub(heard_us)),
+            rate: pairing.measured_period_us(at).map(|us| 1e6 / us),
+            width: eye.last.map_or(0, |last| last.width),
+            height: eye.last.map_or(0, |last| last.height),
+            balls: eye.last.map_or_else(Vec::new, |last| BallView::all(&last.balls)),
+        };
+        self.0.iter().enumerate().map(view).collect()
     }
 
     /// What there is to tell of those that are here.
@@ -106,6 +133,14 @@ impl Cameras {
     }
 }
 
+/// What a camera is called.
+pub(super) fn name(camera: &HandCameraSettings) -> String {
+    match &camera.place {
+        HandCamera::Local(local) => format!("{} {}", camera.source, local.options.view.name()),
+        HandCamera::Station(_) | HandCamera::Serial { .. } => camera.source.clone(),
+    }
+}
+
 impl HandEye {
     /// The newest observations, if they were not taken yet.
     pub(super) fn observation(&mut self) -> Option<Received<ObservationPacket>> {
@@ -118,6 +153,7 @@ impl HandEye {
         if let Some(observation) = &observation {
             self.heard_us = Some(observation.received_us);
             self.count += 1;
+            self.last = Some(observation.what);
         }
         observation
     }

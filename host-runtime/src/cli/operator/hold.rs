@@ -1,6 +1,8 @@
-//! Who holds hold-to-run: the terminal's space bar, or nobody where no arm of iron can move.
+//! Who holds hold-to-run: the terminal's space bar, a page of the console, or nobody where no arm of iron can
+//! move.
 
 use super::super::keyboard::{Key, Keyboard, went_away};
+use crate::console::Desk;
 use crate::exit::{Exit, Failure};
 use crate::station::operator::Buttons;
 use crate::station::{SlaveAnnouncement, Unattended};
@@ -10,6 +12,7 @@ use tetrad_core::wire::ArmStatePacket;
 /// Where the buttons are.
 pub(super) enum Hold {
     Keyboard { keyboard: Keyboard, buttons: Buttons },
+    Console(Desk),
     Always { unattended: Unattended, allowed: bool },
 }
 
@@ -39,6 +42,15 @@ impl Hold {
         Self::Always { unattended: Unattended::default(), allowed }
     }
 
+    /// Whether somebody holds the button.
+    pub(super) const fn is_attended(&self) -> bool {
+        !matches!(self, Self::Always { .. })
+    }
+
+    pub(super) const fn is_console(&self) -> bool {
+        matches!(self, Self::Console(_))
+    }
+
     pub(super) const fn is_keyboard(&self) -> bool {
         matches!(self, Self::Keyboard { .. })
     }
@@ -46,6 +58,7 @@ impl Hold {
     pub(super) const fn usage(&self) -> &'static str {
         match self {
             Self::Keyboard { .. } => "r resets, hold the space bar to move, any other key stops, q ends",
+            Self::Console(_) => "the buttons are in the console; Ctrl-C ends",
             Self::Always { .. } => {
                 "hold-to-run is pressed by itself, for nothing that moves is at the other end"
             }
@@ -85,7 +98,11 @@ impl Hold {
 
     /// Takes what was struck. A terminal that goes away has let go.
     pub(super) fn keys(&mut self, now: Instant) -> Result<Wish, Failure> {
-        let Self::Keyboard { keyboard, buttons } = self else { return Ok(Wish::Nothing) };
+        let (keyboard, buttons) = match self {
+            Self::Keyboard { keyboard, buttons } => (keyboard, buttons),
+            Self::Console(desk) if desk.take_homed() => return Ok(Wish::Homed),
+            Self::Console(_) | Self::Always { .. } => return Ok(Wish::Nothing),
+        };
         let mut wish = Wish::Nothing;
         loop {
             match keyboard.next() {
@@ -111,13 +128,14 @@ impl Hold {
     pub(super) fn still_there(&mut self) -> Result<(), Failure> {
         match self {
             Self::Keyboard { keyboard, .. } => keyboard.still_there().map_err(went_away),
-            Self::Always { .. } => Ok(()),
+            Self::Console(_) | Self::Always { .. } => Ok(()),
         }
     }
 
     pub(super) fn buttons(&mut self, now_us: u64) -> Buttons {
         match self {
             Self::Keyboard { buttons, .. } => *buttons,
+            Self::Console(desk) => desk.buttons(),
             Self::Always { unattended, allowed: true } => unattended.buttons(now_us),
             // the count stays: another one would ask for a reset
             Self::Always { unattended, .. } => Buttons { pressed: false, ..unattended.buttons(now_us) },

@@ -3,7 +3,8 @@
 //! ```text
 //! link's thread: camera stations --+
 //! camera threads: cameras here ----+--observations--> loop --motion, buttons--> slave: a station,
-//! terminal: hold-to-run, stop -----+                   ^                         or a thread here
+//! terminal: hold-to-run, stop -----+                   ^  |                      or a thread here
+//! console: the same ---------------+                   |  +--snapshots, pictures--> console
 //!                                                      +---- arm's state, pictures ----+
 //! ```
 //!
@@ -12,6 +13,7 @@
 mod cameras;
 mod hold;
 mod pictures;
+mod publish;
 mod record;
 mod report;
 mod run;
@@ -21,11 +23,14 @@ mod talk;
 use super::interrupt::Interrupt;
 use super::memory::resident_kb;
 use super::{make_dir, note, say, tell_aside};
+use crate::console::{Console, ConsoleError, Desk, ViewKind};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Doorbell, Link};
 use crate::output::ArmRecord;
 use crate::robot::clock::Clock;
-use crate::settings::station::{OperatorSettings, SlavePlace, StationSettings};
+use crate::settings::station::{
+    ConsoleSettings, NetworkSettings, OperatorSettings, SlavePlace, SlaveSettings, StationSettings,
+};
 use crate::station::Operator;
 use crate::station::operator::OperatorConfig;
 use cameras::Cameras;
@@ -34,7 +39,7 @@ use hold::Hold;
 use record::Record;
 use run::{Parts, Run};
 use slave::SlaveLine;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tetrad_core::config::HandConfig;
 use tetrad_core::hand::affine::Arms;
@@ -46,6 +51,8 @@ Examples:
     tetrad operator --config tetrad.toml
   A minute with a simulated arm, nobody at the keys:
     tetrad operator --config tetrad.toml --hold-to-run always --seconds 60 --out out
+  The buttons in a browser, where the file has [console]; docs/console.md has its keys:
+    tetrad operator --config tetrad.toml --hold-to-run console
 
 On the terminal: r resets (after the start, a stop or a fault), the space bar moves the arm while it is
 held, any other key stops it at once, q ends the program.
@@ -59,6 +66,8 @@ which says how old they are and whether they are stale. docs/stations.md lists t
 pub(super) enum HoldToRun {
     /// The space bar of this terminal.
     Keyboard,
+    /// A page of the console, which [console] in the file opens
+    Console,
     /// Nobody: it is pressed by itself; with a simulated arm or a dry run only
     Always,
 }
@@ -85,60 +94,129 @@ const MAX_SECONDS: f64 = 86_400.0;
 
 /// Runs `tetrad operator`.
 pub(super) fn run(args: &OperatorArgs) -> Result<(), Failure> {
-    let memory = resident_kb();
     let settings = StationSettings::load(&args.config).or_exit(Exit::BadArguments)?;
     let operator = settings.operator.as_ref().ok_or_else(|| no_operator(&settings))?;
-    let longest = match args.seconds {
-        Some(s) if !(s > 0.0 && s <= MAX_SECONDS) => {
-            return Err(Failure::bad_arguments(format!(
-                "--seconds {s}: a number above 0 and up to {MAX_SECONDS} is needed"
-            )));
-        }
-        seconds => seconds.map(Duration::from_secs_f64),
+    let order = Order {
+        operator,
+        slave: &settings.slave,
+        network: settings.network.as_ref(),
+        console: settings.console.as_ref(),
+        hold: args.hold_to_run,
+        longest: longest(args.seconds)?,
+        out: args.out.as_deref(),
     };
-    let record = match &args.out {
-        Some(dir) => {
-            make_dir(dir)?;
-            Some(Record::create(dir).or_exit(Exit::Failed)?)
-        }
-        None => None,
-    };
-    if operator.slave == SlavePlace::Here {
-        slave::check_hold(&settings.slave, args.hold_to_run)?;
-    }
     let interrupt = Interrupt::listen()?;
     tell_aside()?;
-    let clock = Clock::wall();
-    let link = match &settings.network {
-        Some(network) => {
-            let identity = network.identity()?;
-            Some(network.start(&identity, clock.clone())?)
+    order.carry_out(&interrupt, |console| note(format_args!("console at {}", console.url())))
+}
+
+/// How long a run may last.
+pub(super) fn longest(seconds: Option<f64>) -> Result<Option<Duration>, Failure> {
+    match seconds {
+        Some(s) if !(s > 0.0 && s <= MAX_SECONDS) => Err(Failure::bad_arguments(format!(
+            "--seconds {s}: a number above 0 and up to {MAX_SECONDS} is needed"
+        ))),
+        seconds => Ok(seconds.map(Duration::from_secs_f64)),
+    }
+}
+
+/// An operator's run that is asked for.
+pub(super) struct Order<'a> {
+    pub(super) operator: &'a OperatorSettings,
+    pub(super) slave: &'a SlaveSettings,
+    pub(super) network: Option<&'a NetworkSettings>,
+    pub(super) console: Option<&'a ConsoleSettings>,
+    pub(super) hold: HoldToRun,
+    pub(super) longest: Option<Duration>,
+    pub(super) out: Option<&'a Path>,
+}
+
+impl Order<'_> {
+    /// Runs it to its end and prints what it came to; `opened` hears of the console once there is one.
+    pub(super) fn carry_out(
+        &self,
+        interrupt: &Interrupt,
+        opened: impl FnOnce(&Console),
+    ) -> Result<(), Failure> {
+        let mut run = self.start(opened)?;
+        run.print(run.usage());
+        let ended = run.all(self.longest, interrupt);
+        // the terminal is itself again before the results
+        let lines = run.end();
+        lines.iter().for_each(say);
+        ended
+    }
+
+    fn start(&self, opened: impl FnOnce(&Console)) -> Result<Run, Failure> {
+        let memory = resident_kb();
+        let operator = self.operator;
+        if self.hold == HoldToRun::Console && self.console.is_none() {
+            return Err(Failure::bad_arguments("--hold-to-run console: the file has no [console]")
+                .help("add [console] with listen = \"127.0.0.1:8080\"; docs/stations.md lists its keys"));
         }
-        None => None,
-    };
-    let bell = link.as_ref().map_or_else(Doorbell::default, Link::doorbell);
-    let session = link.as_ref().map_or_else(super::session, Link::session);
-    let station = Operator::new(&config(operator)?, session).or_exit(Exit::BadArguments)?;
-    let cameras = Cameras::start(&operator.cameras, link.as_ref(), session, &clock, &bell)?;
-    let slave = match &operator.slave {
-        SlavePlace::Here => {
-            let arm = args.out.as_deref().map(ArmRecord::create).transpose().or_exit(Exit::Failed)?;
-            SlaveLine::here(&settings.slave, session, &clock, &bell, arm)?
+        let record = match self.out {
+            Some(dir) => {
+                make_dir(dir)?;
+                Some(Record::create(dir).or_exit(Exit::Failed)?)
+            }
+            None => None,
+        };
+        if operator.slave == SlavePlace::Here {
+            slave::check_hold(self.slave, self.hold)?;
         }
-        SlavePlace::Station(name) => SlaveLine::peer(name, link.as_ref())?,
-    };
-    let hold = match args.hold_to_run {
-        HoldToRun::Keyboard => Hold::keyboard()?,
-        HoldToRun::Always => Hold::always(operator.slave == SlavePlace::Here),
-    };
-    let parts = Parts { station, cameras, slave, hold, link, bell, clock, record, memory };
-    let mut run = Run::new(parts);
-    run.print(run.usage());
-    let ended = run.all(longest, &interrupt);
-    // the terminal is itself again before the results
-    let lines = run.end();
-    lines.iter().for_each(say);
-    ended
+        let clock = Clock::wall();
+        let link = match self.network {
+            Some(network) => {
+                let identity = network.identity()?;
+                Some(network.start(&identity, clock.clone())?)
+            }
+            None => None,
+        };
+        let bell = link.as_ref().map_or_else(Doorbell::default, Link::doorbell);
+        let session = link.as_ref().map_or_else(super::session, Link::session);
+        let station = Operator::new(&config(operator)?, session).or_exit(Exit::BadArguments)?;
+        let console = self.console(&clock, &bell)?;
+        let desk = console.as_ref().map(|(_, desk)| desk);
+        let cameras = Cameras::start(&operator.cameras, link.as_ref(), session, &clock, &bell, desk)?;
+        let slave = match &operator.slave {
+            SlavePlace::Here => {
+                let arm = self.out.map(ArmRecord::create).transpose().or_exit(Exit::Failed)?;
+                SlaveLine::here(self.slave, session, &clock, &bell, arm)?
+            }
+            SlavePlace::Station(name) => SlaveLine::peer(name, link.as_ref())?,
+        };
+        let hold = match (self.hold, desk) {
+            (HoldToRun::Keyboard, _) => Hold::keyboard()?,
+            (HoldToRun::Console, Some(desk)) => Hold::Console(desk.clone()),
+            (HoldToRun::Console, None) | (HoldToRun::Always, _) => {
+                Hold::always(operator.slave == SlavePlace::Here)
+            }
+        };
+        if let Some((console, _)) = &console {
+            opened(console);
+        }
+        Ok(Run::new(Parts { station, cameras, slave, hold, link, bell, clock, record, console, memory }))
+    }
+
+    /// The console, with a view for each camera.
+    fn console(&self, clock: &Clock, bell: &Doorbell) -> Result<Option<(Console, Desk)>, Failure> {
+        let Some(settings) = self.console else { return Ok(None) };
+        let hands = self.operator.cameras.iter().map(|camera| (cameras::name(camera), ViewKind::Hand));
+        let eyes = pictures::EYES.map(|eye| (format!("{eye} eye"), ViewKind::Eye));
+        let drives = self.hold == HoldToRun::Console;
+        let desk = Desk::new(drives, hands.chain(eyes).collect(), clock.clone(), bell.clone());
+        let console = Console::start(settings, desk.clone()).map_err(|error| {
+            let exit = match &error {
+                ConsoleError::Listen(..) => Exit::DeviceLost,
+                ConsoleError::Thread(_) => Exit::Failed,
+                ConsoleError::TokenFile(..) | ConsoleError::Token(..) | ConsoleError::Tls(_) => {
+                    Exit::BadArguments
+                }
+            };
+            Failure::new(exit, anyhow::Error::new(error).context("there is no console"))
+        })?;
+        Ok(Some((console, desk)))
+    }
 }
 
 fn no_operator(settings: &StationSettings) -> Failure {

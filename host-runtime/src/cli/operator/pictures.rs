@@ -1,12 +1,15 @@
 //! The stereo view back: the newest picture of each of the slave's cameras, and how old it is.
 
+use crate::console::Desk;
+use crate::console::desk::Shown;
+use crate::console::snapshot::PictureView;
 use crate::link::{Carrier, Picture, Received};
 use crate::output::{CsvFile, OutputError};
 use crate::station::{is_stale, picture_age_us};
 use std::path::{Path, PathBuf};
 
 /// The slave's cameras: the first is the left eye.
-const EYES: [&str; 2] = ["left", "right"];
+pub(super) const EYES: [&str; 2] = ["left", "right"];
 
 /// Pictures are written at most so often, microseconds.
 const WRITE_US: u64 = 1_000_000;
@@ -27,12 +30,19 @@ struct Eye {
 pub(super) struct Pictures {
     eyes: [Eye; EYES.len()],
     dir: Option<PathBuf>,
+    /// Where they are looked at, and the view of the first.
+    desk: Option<(Desk, usize)>,
 }
 
 impl Pictures {
     /// Pictures that go to a directory, or nowhere.
     pub(super) fn new(dir: Option<&Path>) -> Self {
-        Self { eyes: Default::default(), dir: dir.map(Path::to_owned) }
+        Self { eyes: Default::default(), dir: dir.map(Path::to_owned), desk: None }
+    }
+
+    /// They are looked at too, from that view on.
+    pub(super) fn show(&mut self, desk: Desk, first: usize) {
+        self.desk = Some((desk, first));
     }
 
     /// Takes what came; a line for each eye that has become stale or fresh again.
@@ -40,6 +50,9 @@ impl Pictures {
         let mut lines = Vec::new();
         for (camera, (eye, name)) in (0..).zip(self.eyes.iter_mut().zip(EYES)) {
             if let Some(picture) = slave.picture(camera) {
+                if let Some((desk, first)) = &self.desk {
+                    desk.show(first + usize::from(camera), shown(&picture));
+                }
                 eye.newest = Some(picture);
                 eye.count += 1;
                 eye.is_written = false;
@@ -77,6 +90,19 @@ impl Pictures {
         (!ages.is_empty()).then(|| format!("pictures {}", ages.join(", ")))
     }
 
+    /// What the console shows of them.
+    pub(super) fn views(&self, now_us: u64) -> Vec<PictureView> {
+        let first = self.desk.as_ref().map_or(0, |(_, first)| *first);
+        let view = |(at, (eye, name)): (usize, (&Eye, &'static str))| PictureView {
+            name,
+            view: first + at,
+            age_us: eye.newest.as_ref().map(|picture| picture_age_us(picture, now_us)),
+            stale: eye.stale,
+            count: eye.count,
+        };
+        self.eyes.iter().zip(EYES).enumerate().map(view).collect()
+    }
+
     /// How many came of each eye.
     pub(super) fn counts(&self) -> Vec<(&'static str, u64)> {
         EYES.into_iter().zip(&self.eyes).map(|(name, eye)| (name, eye.count)).collect()
@@ -97,6 +123,19 @@ impl Pictures {
             eye.write(dir, name)?;
         }
         Ok(())
+    }
+}
+
+/// A picture that came, to be looked at.
+pub(super) fn shown(picture: &Received<Picture>) -> Shown {
+    let Picture { sequence, width, height, jpeg, .. } = &picture.what;
+    Shown {
+        sequence: *sequence,
+        taken_us: picture.captured_us.unwrap_or(picture.received_us),
+        width: *width,
+        height: *height,
+        balls: Vec::new(),
+        jpeg: jpeg.as_slice().into(),
     }
 }
 

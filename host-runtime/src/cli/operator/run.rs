@@ -3,13 +3,15 @@
 use super::cameras::Cameras;
 use super::hold::{Hold, Wish};
 use super::note;
-use super::pictures::Pictures;
+use super::pictures::{self, Pictures};
+use super::publish::{Publisher, Scene};
 use super::record::Record;
 use super::report::{self, Memory};
 use super::slave::SlaveLine;
 use super::talk::{SILENT_US, SLAVE, Talk};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::memory::resident_kb;
+use crate::console::{Console, Desk};
 use crate::exit::{Exit, Failure};
 use crate::link::{Carrier as _, Doorbell, Link, Watch};
 use crate::output::OutputError;
@@ -19,7 +21,7 @@ use crate::station::{Operator, SlaveAnnouncement, arm_words};
 use std::time::{Duration, Instant};
 use tetrad_core::wire::{ArmState, ArmStatePacket, ControllerState};
 
-/// Keys are looked at so often while nothing comes.
+/// Keys, and whether a button of the console is still told of, are looked at so often while nothing comes.
 const KEYS: Duration = Duration::from_millis(10);
 
 /// What is no part of the motion (events, pictures, threads that ended) is looked at so often,
@@ -43,6 +45,7 @@ pub(super) struct Parts {
     pub(super) bell: Doorbell,
     pub(super) clock: Clock,
     pub(super) record: Option<Record>,
+    pub(super) console: Option<(Console, Desk)>,
     /// The program's memory before it began, kB.
     pub(super) memory: Option<u64>,
 }
@@ -53,9 +56,12 @@ pub(super) struct Run {
     watch: Watch,
     talk: Talk,
     pictures: Pictures,
+    publisher: Option<Publisher>,
     memory: Memory,
     chores_us: u64,
     slave_heard_us: Option<u64>,
+    /// The last that were asked for.
+    resets: u32,
     arm: Option<ArmStatePacket>,
     /// What a slave of this process came to.
     slave_lines: Vec<(&'static str, String)>,
@@ -64,16 +70,23 @@ pub(super) struct Run {
 impl Run {
     pub(super) fn new(parts: Parts) -> Self {
         let watch = parts.bell.watch();
-        let pictures = Pictures::new(parts.record.as_ref().map(|record| record.dir.as_path()));
+        let mut pictures = Pictures::new(parts.record.as_ref().map(|record| record.dir.as_path()));
+        let desk = parts.console.as_ref().map(|(_, desk)| desk);
+        if let Some(desk) = desk {
+            pictures.show(desk.clone(), parts.cameras.0.len());
+        }
+        let publisher = desk.cloned().map(Publisher::new);
         let memory = Memory { start: parts.memory, ..Memory::default() };
         Self {
             parts,
             watch,
             talk: Talk::default(),
             pictures,
+            publisher,
             memory,
             chores_us: 0,
             slave_heard_us: None,
+            resets: 0,
             arm: None,
             slave_lines: Vec::new(),
         }
@@ -135,7 +148,7 @@ impl Run {
                 self.parts.station.observe(at, &observation);
             }
         }
-        let buttons = self.parts.hold.buttons(now_us);
+        let buttons = self.buttons(now_us);
         let turn = self.parts.station.step(&self.parts.slave, buttons, &self.parts.clock);
         self.tell(&turn)?;
         if now_us.saturating_sub(self.chores_us) >= CHORES_US {
@@ -144,18 +157,44 @@ impl Run {
                 return Ok(Wish::Quit);
             }
         }
+        self.publish(now_us);
         Ok(wish)
+    }
+
+    /// What is pressed; a stop of the console counts wherever the buttons are.
+    fn buttons(&mut self, now_us: u64) -> Buttons {
+        let buttons = self.parts.hold.buttons(now_us);
+        let Some((_, desk)) = &self.parts.console else { return buttons };
+        if std::mem::replace(&mut self.resets, buttons.resets) != buttons.resets
+            && !self.parts.hold.is_console()
+        {
+            desk.control().reset_elsewhere();
+        }
+        if desk.buttons().stop { Buttons { pressed: false, stop: true, ..buttons } } else { buttons }
+    }
+
+    fn publish(&mut self, now_us: u64) {
+        let Some(publisher) = &mut self.publisher else { return };
+        let Parts { station, cameras, slave, link, .. } = &self.parts;
+        let scene = Scene { station, cameras, slave, link: link.as_ref(), pictures: &self.pictures };
+        publisher.publish(&scene, now_us);
     }
 
     fn tell(&mut self, turn: &OperatorTurn) -> Result<(), Failure> {
         if let Some(step) = &turn.step {
             self.talk.hand(step);
+            if let Some(publisher) = &mut self.publisher {
+                publisher.hand(step);
+            }
             self.write(|record| record.step(step));
         }
         if let Some(state) = &turn.arm {
             self.slave_heard_us = Some(state.received_us);
             self.arm = Some(state.what);
             self.parts.hold.hear(&state.what, state.received_us);
+            if let Some(publisher) = &mut self.publisher {
+                publisher.arm(state);
+            }
             for line in self.talk.arm(&state.what, state.received_us) {
                 self.print(&line);
             }
@@ -175,6 +214,11 @@ impl Run {
         lines.extend(self.parts.cameras.notices());
         lines.extend(self.parts.slave.notices());
         lines.extend(self.pictures.take(&self.parts.slave, now_us));
+        if let Some((_, desk)) = &self.parts.console {
+            for (view, picture) in self.parts.cameras.pictures() {
+                desk.show(view, pictures::shown(&picture));
+            }
+        }
         if !self.parts.slave.is_connected() {
             self.parts.hold.slave_gone();
         }
@@ -189,8 +233,12 @@ impl Run {
         }
         let heard = self.parts.cameras.0.iter().map(|camera| (camera.name.as_str(), camera.heard_us));
         let links: Vec<_> = heard.chain([(SLAVE, self.slave_heard_us)]).collect();
-        lines.extend(self.talk.live(&links, self.pictures.ages(now_us), now_us));
-        lines.iter().for_each(|line| self.print(line));
+        let live = self.talk.live(&links, self.pictures.ages(now_us), now_us);
+        for line in &lines {
+            self.print(line);
+        }
+        // the console shows as much all the time
+        live.iter().for_each(|line| self.note(line));
         if self.parts.slave.is_over() {
             self.end_slave()?;
             return Err(Failure::new(
@@ -222,7 +270,7 @@ impl Run {
             let words = format!("the slave has said nothing in the last {seconds:.1} s of the run");
             return Err(not_there(words));
         }
-        let asked = self.parts.hold.is_keyboard() && arm_words::is_asked(arm);
+        let asked = self.parts.hold.is_attended() && arm_words::is_asked(arm);
         if asked || !matches!(arm.state, ArmState::Stopped | ArmState::Fault) {
             return Ok(());
         }
@@ -252,7 +300,7 @@ impl Run {
 
     fn sleep(&mut self) {
         let mut at_most = Duration::from_micros(self.parts.station.sleep_us(self.parts.clock.now_us()));
-        if self.parts.hold.is_keyboard() {
+        if self.parts.hold.is_attended() {
             at_most = at_most.min(KEYS);
         }
         self.watch.wait(at_most);
@@ -268,7 +316,14 @@ impl Run {
     }
 
     /// A line for the operator; in raw mode a terminal does not go back to its margin by itself.
-    pub(super) fn print(&self, line: &str) {
+    pub(super) fn print(&mut self, line: &str) {
+        if let Some(publisher) = &mut self.publisher {
+            publisher.line(line);
+        }
+        self.note(line);
+    }
+
+    fn note(&self, line: &str) {
         if self.parts.hold.is_keyboard() {
             let text = line.replace('\n', "\r\n");
             note(format_args!("{text}\r"));

@@ -147,6 +147,19 @@ fn what_cannot_be_meant_is_refused_with_its_key() {
     refused(&slave.replace("\"sim:\"", "\"simm:\""), "[slave] port: simm:");
 }
 
+#[test]
+fn a_console_is_the_operators() {
+    let console = "[console]\nlisten = \"127.0.0.1:8080\"\n";
+    let operator = load(&format!("{}{console}", documented("operator"))).unwrap();
+    assert_eq!(operator.console.unwrap().listen.port(), 8080);
+    assert_eq!(load(&documented("operator")).unwrap().console, None);
+    refused(&format!("{}{console}", documented("slave")), "[console]: it is the operator's");
+    refused(
+        &format!("{}{}", documented("operator"), console.replace("127.0.0.1", "0.0.0.0")),
+        "[console] token_file: 0.0.0.0:8080 can be reached from other computers",
+    );
+}
+
 /// What no camera can be is said before one is opened.
 #[test]
 fn a_source_that_cannot_be_meant_is_refused_with_its_key() {

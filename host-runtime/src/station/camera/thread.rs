@@ -1,6 +1,6 @@
 //! A camera of this computer on a thread of its own, for an operator in the same process.
 
-use super::{CameraCounts, CameraStation, Step};
+use super::{CameraCounts, CameraSink, CameraStation, Onlooker, Step};
 use crate::exit::Failure;
 use crate::link::Received;
 use crate::station::newest::Newest;
@@ -8,6 +8,7 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
+use tetrad_core::vision::frame::FrameView;
 use tetrad_core::wire::ObservationPacket;
 
 /// A running [`CameraStation`]. Its observations come as those of another station do.
@@ -20,17 +21,22 @@ pub struct CameraThread {
 type Ended = (CameraCounts, Result<(), Failure>);
 
 impl CameraThread {
-    /// Starts it; `ring` wakes the operator's loop whenever there are new observations.
+    /// Starts it; `ring` wakes the operator's loop whenever there are new observations, and `onlooker` is
+    /// lent each picture after that.
     ///
     /// # Errors
     /// The system has no thread left.
-    pub fn start(station: CameraStation, ring: impl Fn() + Send + 'static) -> io::Result<Self> {
+    pub fn start(
+        station: CameraStation,
+        ring: impl Fn() + Send + 'static,
+        onlooker: Option<Onlooker>,
+    ) -> io::Result<Self> {
         let newest = Arc::new(Newest::default());
         let stop = Arc::new(AtomicBool::new(false));
         let theirs = (Arc::clone(&newest), Arc::clone(&stop));
         let thread = std::thread::Builder::new()
             .name("camera".to_owned())
-            .spawn(move || run(station, &theirs.0, &theirs.1, &ring))?;
+            .spawn(move || run(station, Place { newest: &theirs.0, ring: &ring, onlooker }, &theirs.1))?;
         Ok(Self { newest, stop, thread: Some(thread) })
     }
 
@@ -77,16 +83,32 @@ impl Drop for CameraThread {
     }
 }
 
-fn run(mut station: CameraStation, newest: &Newest, stop: &AtomicBool, ring: &dyn Fn()) -> Ended {
-    let mut sink = |packet: &ObservationPacket| {
+/// Where the observations go, and the pictures.
+struct Place<'a> {
+    newest: &'a Newest,
+    ring: &'a dyn Fn(),
+    onlooker: Option<Onlooker>,
+}
+
+impl CameraSink for Place<'_> {
+    fn observed(&mut self, packet: &ObservationPacket) {
         // it is here as soon as it is made
         let received_us = packet.capture_us + u64::from(packet.observed_us);
-        newest.put(Received { what: *packet, received_us, captured_us: Some(packet.capture_us) });
-        ring();
-    };
+        self.newest.put(Received { what: *packet, received_us, captured_us: Some(packet.capture_us) });
+        (self.ring)();
+    }
+
+    fn pictured(&mut self, picture: &FrameView<'_>, packet: &ObservationPacket) {
+        if let Some(onlooker) = &mut self.onlooker {
+            onlooker(picture, packet);
+        }
+    }
+}
+
+fn run(mut station: CameraStation, mut place: Place<'_>, stop: &AtomicBool) -> Ended {
     let mut ended = Ok(());
     while !stop.load(Ordering::Relaxed) {
-        match station.step(&mut sink) {
+        match station.step(&mut place) {
             Ok(Step::Observed) => {}
             Ok(Step::Lost(wait)) => std::thread::sleep(wait),
             Ok(Step::Ended) => break,
@@ -97,10 +119,10 @@ fn run(mut station: CameraStation, newest: &Newest, stop: &AtomicBool, ring: &dy
         }
         let notices = station.take_notices();
         if !notices.is_empty() {
-            newest.tell(notices);
+            place.newest.tell(notices);
         }
     }
-    newest.tell(station.take_notices());
-    ring();
+    place.newest.tell(station.take_notices());
+    (place.ring)();
     (station.counts.clone(), ended)
 }

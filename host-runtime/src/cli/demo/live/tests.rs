@@ -1,0 +1,143 @@
+//! From a page's button to the arm, through everything but a browser.
+
+use super::*;
+use crate::console::testing::Tab;
+use crate::settings::{FilterArgs, Mode, PredictionFlag, SmoothingFlag};
+use serde_json::{Value, json};
+use std::net::SocketAddr;
+use std::path::Path;
+use std::sync::mpsc;
+use std::time::Instant;
+
+/// The arm begins its stop so long after the button is not told of any more, microseconds.
+const STOP_US: u64 = 100_000;
+
+/// So often it is tried: what is measured is by whose clock the arm stops, not how long a busy computer holds
+/// up a thread.
+const TRIES: usize = 3;
+
+/// The tool is seen to move by so much, millimetres.
+const MOVED_MM: f64 = 5.0;
+
+fn args(out: &Path) -> DemoArgs {
+    let filter =
+        FilterArgs { smoothing: SmoothingFlag::OneEuro, lead_ms: 0, prediction: PredictionFlag::Velocity };
+    let (scene, mode) = ("demo".to_owned(), Mode::Refined);
+    DemoArgs { seconds: None, headless: false, out: out.to_owned(), scene, mode, filter }
+}
+
+/// A page whose button is held.
+struct Driver {
+    tab: Tab,
+    heard: Instant,
+}
+
+impl Driver {
+    async fn open(console: SocketAddr) -> Self {
+        let mut tab = Tab::open(console).await;
+        tab.hear().await;
+        tab.take().await;
+        Self { tab, heard: Instant::now() }
+    }
+
+    /// What the loop knows next, the button being held.
+    async fn hold(&mut self) -> &Value {
+        self.tab.hear().await;
+        self.heard = Instant::now();
+        self.tab.hold().await;
+        &self.tab.live["snapshot"]["arm"]
+    }
+
+    /// The operator's clock.
+    fn now_us(&self) -> u64 {
+        self.tab.live["now_us"].as_u64().unwrap() + self.heard.elapsed().as_micros() as u64
+    }
+
+    /// Resets, presses, and holds until the arm moves.
+    async fn drive(&mut self) {
+        self.tab.say(json!({"type": "reset"})).await;
+        self.tab.until("the reset", |live| live["snapshot"]["arm"]["state"] == "armed").await;
+        let began = Instant::now();
+        let mut from: Option<Vec<f64>> = None;
+        loop {
+            assert!(began.elapsed().as_secs() < 60, "the arm did not move: {}", self.tab.live);
+            let arm = self.hold().await;
+            if arm["state"] != "engaged" {
+                from = None;
+                continue;
+            }
+            let tool: Vec<f64> =
+                arm["tool_mm"].as_array().unwrap().iter().map(|mm| mm.as_f64().unwrap()).collect();
+            let from = from.get_or_insert_with(|| tool.clone());
+            let way: f64 = tool.iter().zip(from.iter()).map(|(to, from)| (to - from).powi(2)).sum();
+            if way.sqrt() > MOVED_MM {
+                return;
+            }
+        }
+    }
+}
+
+/// How long after a time the arm began to stop, by the slave's own clock, which is the operator's here;
+/// `None` where it was not moving then: the computer had been too busy to tell of the button in time.
+fn stop_after(out: &Path, at_us: u64) -> Option<u64> {
+    let text = std::fs::read_to_string(out.join("arm_state.csv")).unwrap();
+    let rows = text.lines().skip(1).map(|line| {
+        let fields: Vec<&str> = line.split(',').collect();
+        ((fields[1].parse::<f64>().unwrap() * 1e6).round() as u64, fields[3].to_owned())
+    });
+    let mut after = rows.skip_while(|(slave_us, _)| *slave_us < at_us);
+    after.next().filter(|(_, state)| state == "engaged")?;
+    let (stopped_us, _) = after.find(|(_, state)| state != "engaged").expect("it stopped");
+    Some(stopped_us - at_us)
+}
+
+#[test]
+fn a_page_moves_the_arm_and_its_silence_or_its_end_stops_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let (told, hears) = mpsc::channel();
+    let interrupt = Interrupt::by_hand();
+    let asked = interrupt.clone();
+    let out = dir.path().to_owned();
+    let demo = std::thread::spawn(move || {
+        let args = args(&out);
+        let (operator, slave) = stations(&args, &super::super::scene(&args.scene)?);
+        let console = ConsoleSettings { listen: "127.0.0.1:0".parse().unwrap(), ..ConsoleSettings::demo() };
+        let order = Order {
+            operator: &operator,
+            slave: &slave,
+            network: None,
+            console: Some(&console),
+            hold: HoldToRun::Console,
+            longest: None,
+            out: Some(&out),
+        };
+        order.carry_out(&interrupt, |console| told.send(console.address()).unwrap())
+    });
+    let console = hears.recv_timeout(std::time::Duration::from_secs(120)).expect("a console");
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    let (mut silent, mut cut) = (Vec::new(), Vec::new());
+    runtime.block_on(async {
+        for _ in 0..TRIES {
+            let mut driver = Driver::open(console).await;
+            driver.drive().await;
+            // the page hangs: its socket stays open
+            silent.push(driver.now_us());
+            driver.tab.until("the stop", |live| live["snapshot"]["arm"]["state"] != "engaged").await;
+            driver.tab.release().await;
+            driver.drive().await;
+            cut.push(driver.now_us());
+            drop(driver);
+            let mut witness = Tab::open(console).await;
+            witness.until("the stop", |live| live["snapshot"]["arm"]["state"] != "engaged").await;
+            witness.until("control is free", |live| live["control"]["holder"].is_null()).await;
+        }
+    });
+    asked.flag().store(true, std::sync::atomic::Ordering::Relaxed);
+    demo.join().expect("no panic").expect("the arm was stopped by a button");
+    for (what, times_us) in [("silent", silent), ("cut", cut)] {
+        let stops_us: Vec<u64> = times_us.iter().filter_map(|at_us| stop_after(dir.path(), *at_us)).collect();
+        println!("{what}: the arm began its stop {stops_us:?} us later");
+        let soonest_us = stops_us.iter().min().expect("the computer was not too busy every time");
+        assert!(*soonest_us <= STOP_US, "{what}: {stops_us:?} us");
+    }
+}

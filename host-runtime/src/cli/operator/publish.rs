@@ -1,0 +1,190 @@
+//! What the console is told of the run, at most thirty times a second.
+
+use super::cameras::Cameras;
+use super::pictures::Pictures;
+use super::slave::SlaveLine;
+use crate::console::Desk;
+use crate::console::snapshot::{ArmView, DelayView, HandView, Line, LinkView, Snapshot, is_engaged};
+use crate::link::{Link, Peer, Received};
+use crate::station::Operator;
+use crate::station::operator::OperatorStep;
+use std::collections::VecDeque;
+use tetrad_core::wire::ArmStatePacket;
+
+/// From one snapshot to the next, microseconds.
+const EVERY_US: u64 = 33_000;
+
+/// What takes longer to look up (percentiles, the link's counts) is looked up so often, microseconds.
+const SLOW_US: u64 = 500_000;
+
+/// Lines that a page which is opened later still sees.
+const LINES: usize = 50;
+
+/// The arm's states further apart than this are a pause, microseconds.
+const PAUSE_US: u64 = 1_000_000;
+
+/// What a snapshot is made of.
+pub(super) struct Scene<'a> {
+    pub(super) station: &'a Operator,
+    pub(super) cameras: &'a Cameras,
+    pub(super) slave: &'a SlaveLine,
+    pub(super) link: Option<&'a Link>,
+    pub(super) pictures: &'a Pictures,
+}
+
+/// See the [module's text](self).
+pub(super) struct Publisher {
+    desk: Desk,
+    told_us: Option<u64>,
+    slow_us: Option<u64>,
+    sequence: u64,
+    hand: Option<(HandView, u64)>,
+    arm: Option<Received<ArmStatePacket>>,
+    followed: Followed,
+    delays: Vec<DelayView>,
+    links: Vec<LinkView>,
+    lines: VecDeque<Line>,
+    line: u64,
+}
+
+/// How long the arm followed the hand, of the time it was heard.
+#[derive(Default)]
+struct Followed {
+    last: Option<(u64, bool)>,
+    engaged_us: u64,
+    all_us: u64,
+}
+
+impl Followed {
+    fn hear(&mut self, packet: &ArmStatePacket) {
+        let before = self.last.replace((packet.time_us, is_engaged(packet)));
+        let Some((before_us, engaged)) = before else { return };
+        let us = packet.time_us.saturating_sub(before_us);
+        if us <= PAUSE_US {
+            self.all_us += us;
+            self.engaged_us += if engaged { us } else { 0 };
+        }
+    }
+
+    fn share(&self) -> f64 {
+        if self.all_us == 0 { 0.0 } else { self.engaged_us as f64 / self.all_us as f64 }
+    }
+}
+
+impl Publisher {
+    pub(super) fn new(desk: Desk) -> Self {
+        Self {
+            desk,
+            told_us: None,
+            slow_us: None,
+            sequence: 0,
+            hand: None,
+            arm: None,
+            followed: Followed::default(),
+            delays: Vec::new(),
+            links: Vec::new(),
+            lines: VecDeque::new(),
+            line: 0,
+        }
+    }
+
+    pub(super) fn hand(&mut self, step: &OperatorStep) {
+        self.hand = Some((HandView::of(step, step.joined.t_us), step.joined.t_us));
+    }
+
+    pub(super) fn arm(&mut self, state: &Received<ArmStatePacket>) {
+        self.followed.hear(&state.what);
+        self.arm = Some(*state);
+    }
+
+    /// Something the operator reads.
+    pub(super) fn line(&mut self, text: &str) {
+        self.line += 1;
+        self.lines.push_back(Line { number: self.line, text: text.trim().to_owned() });
+        if self.lines.len() > LINES {
+            self.lines.pop_front();
+        }
+    }
+
+    /// Tells the console, where it is time.
+    pub(super) fn publish(&mut self, scene: &Scene<'_>, now_us: u64) {
+        let due =
+            |at_us: Option<u64>, every_us| at_us.is_none_or(|at_us| now_us.saturating_sub(at_us) >= every_us);
+        if !due(self.told_us, EVERY_US) {
+            return;
+        }
+        self.told_us = Some(now_us);
+        if due(self.slow_us, SLOW_US) {
+            self.slow_us = Some(now_us);
+            self.delays = DelayView::all(scene.station.delays());
+            self.links = links(scene, self.arm.as_ref(), now_us);
+        }
+        self.sequence += 1;
+        self.desk.publish(Snapshot {
+            sequence: self.sequence,
+            time_us: now_us,
+            hand: self
+                .hand
+                .as_ref()
+                .map(|(hand, t_us)| HandView { age_us: now_us.saturating_sub(*t_us), ..hand.clone() }),
+            cameras: scene.cameras.views(scene.station.pairing(), now_us),
+            arm: self.arm.as_ref().map(|state| ArmView::of(&state.what, state.received_us, now_us)),
+            engaged_share: self.followed.share(),
+            links: self.links.clone(),
+            delays: self.delays.clone(),
+            pictures: scene.pictures.views(now_us),
+            lines: self.lines.iter().cloned().collect(),
+        });
+    }
+}
+
+/// The stations of the link, or the slave of this process.
+fn links(scene: &Scene<'_>, arm: Option<&Received<ArmStatePacket>>, now_us: u64) -> Vec<LinkView> {
+    let mut links: Vec<LinkView> =
+        scene.link.into_iter().flat_map(Link::peers).map(|peer| of_peer(&peer, now_us)).collect();
+    if scene.slave.as_peer().is_none() {
+        links.push(LinkView {
+            name: "slave".to_owned(),
+            connected: scene.slave.is_connected(),
+            age_us: arm.map(|state| now_us.saturating_sub(state.received_us)),
+            loss: None,
+            round_trip_us: None,
+        });
+    }
+    links
+}
+
+fn of_peer(peer: &Peer, now_us: u64) -> LinkView {
+    let stats = peer.stats();
+    let sent = stats.sent_packets;
+    LinkView {
+        name: peer.name().as_str().to_owned(),
+        connected: peer.is_connected(),
+        age_us: stats.heard_us.map(|heard_us| now_us.saturating_sub(heard_us)),
+        loss: (sent > 0).then(|| stats.lost_packets as f64 / sent as f64),
+        round_trip_us: stats.round_trip_us,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tetrad_core::wire::{ArmReason, ArmState};
+    use tetrad_fixtures::packets;
+
+    fn state(time_us: u64, state: ArmState) -> ArmStatePacket {
+        ArmStatePacket { time_us, ..packets::arm_state(state, ArmReason::None) }
+    }
+
+    #[test]
+    fn the_share_is_of_the_time_that_is_known() {
+        let mut followed = Followed::default();
+        assert_eq!(followed.share(), 0.0);
+        followed.hear(&state(0, ArmState::Armed));
+        followed.hear(&state(300_000, ArmState::Engaged));
+        followed.hear(&state(400_000, ArmState::Hold));
+        assert_eq!(followed.share(), 0.25);
+        followed.hear(&state(9_000_000, ArmState::Hold));
+        assert_eq!(followed.share(), 0.25, "what was not heard is neither");
+    }
+}

@@ -1,0 +1,269 @@
+//! Who drives, and whether the button is held: the rules of the console, without sockets or clocks.
+//!
+//! One tab at a time is in control. Its page says again and again that the button is held, and of each
+//! message two things count:
+//!
+//! - it has come at most [`FRESH_US`] ago, by our clock;
+//! - the page had heard from us at most [`HEARD_US`] before, so that what waited in a line that was stuck
+//!   is not taken for news, and nobody drives by a picture that stands still.
+//!
+//! A press has a number, larger than that of the press before. It ends with a release, a stop, a reset, the
+//! socket, or a silence of [`HICCUP_US`], and does not come back: the operator lets go and presses anew. A
+//! shorter silence is a release while it lasts. Nor does a press count that was begun before its tab was
+//! given control: the first that is heard of the button then has to be that it is let go.
+//!
+//! A stop is for everybody, whoever is in control, and latches until the tab in control resets.
+
+use crate::station::operator::Buttons;
+use serde::Serialize;
+
+/// A press counts for so long after it was last told, microseconds: two of the page's messages.
+pub const FRESH_US: u64 = 60_000;
+
+/// A press that was silent for longer has ended, microseconds.
+pub const HICCUP_US: u64 = 300_000;
+
+/// What the page had last heard from us may be so old when it says that the button is held,
+/// microseconds.
+pub const HEARD_US: u64 = 250_000;
+
+/// Who is in control and says nothing at all for so long is not any more, microseconds.
+pub const ABSENT_US: u64 = 3_000_000;
+
+/// A tab: one page with one socket. A page that is loaded again is another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Tab(pub u64);
+
+/// Why something was not done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Refusal {
+    /// Another tab drives.
+    #[error("another page is in control; it can give control up, and anybody can stop the arm")]
+    AnotherDrives,
+    /// Nobody has asked for control from this tab, or it was lost.
+    #[error("this page is not in control: take control first")]
+    NotInControl,
+    /// Hold-to-run is not in the console.
+    #[error("the buttons are not in the console: start with --hold-to-run console to drive from here")]
+    ButtonsElsewhere,
+    /// The arm is stopped.
+    #[error("the arm is stopped: reset, then press anew")]
+    Stopped,
+    /// The press has ended before.
+    #[error("this press has ended: let go and press again")]
+    Ended,
+    /// The page acts on what it has heard too long ago.
+    #[error("the page shows what was too long ago: wait until it follows, let go and press again")]
+    Late,
+}
+
+/// What pages are told of it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ControlView {
+    /// Who drives, in words; `None`: nobody.
+    pub holder: Option<String>,
+    /// Whether it is the page that reads this.
+    pub yours: bool,
+    /// Whether hold-to-run is in the console at all.
+    pub drives: bool,
+    /// Whether hold-to-run is pressed, and freshly so.
+    pub pressed: bool,
+    /// Whether a stop is latched here.
+    pub stopped: bool,
+    /// Microseconds since the press was last told.
+    pub press_age_us: Option<u64>,
+}
+
+/// The tab that drives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Holder {
+    tab: Tab,
+    name: String,
+    heard_us: u64,
+    /// The button was let go since this tab drives.
+    let_go: bool,
+    press: Option<Press>,
+    /// Presses up to this number have ended.
+    ended: u64,
+}
+
+/// The button is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Press {
+    number: u64,
+    told_us: u64,
+}
+
+/// See the [module's text](self).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Control {
+    drives: bool,
+    holder: Option<Holder>,
+    stop: bool,
+    resets: u32,
+}
+
+impl Control {
+    /// Nobody drives, nothing is pressed. Without `drives` the buttons are elsewhere: a stop is all that
+    /// can be done from here.
+    #[must_use]
+    pub const fn new(drives: bool) -> Self {
+        Self { drives, holder: None, stop: false, resets: 0 }
+    }
+
+    /// Gives a tab control, if nobody else has it; `name` is what the others are told.
+    ///
+    /// # Errors
+    /// [`Refusal::AnotherDrives`], [`Refusal::ButtonsElsewhere`]
+    pub fn take(&mut self, tab: Tab, name: &str, now_us: u64) -> Result<(), Refusal> {
+        if !self.drives {
+            return Err(Refusal::ButtonsElsewhere);
+        }
+        match self.present(now_us) {
+            Some(holder) if holder.tab == tab => Ok(()),
+            Some(_) => Err(Refusal::AnotherDrives),
+            None => {
+                let name = name.to_owned();
+                let holder = Holder { tab, name, heard_us: now_us, let_go: false, press: None, ended: 0 };
+                self.holder = Some(holder);
+                Ok(())
+            }
+        }
+    }
+
+    /// The tab drives no longer: it gave control up, or its socket is gone.
+    pub fn leave(&mut self, tab: Tab) {
+        self.holder.take_if(|holder| holder.tab == tab);
+    }
+
+    /// The tab is there, and nothing else.
+    pub fn here(&mut self, tab: Tab, now_us: u64) {
+        if let Some(holder) = self.holder_mut(tab, now_us) {
+            holder.heard_us = now_us;
+        }
+    }
+
+    /// The button is held, since the press of that number; the page had heard from us at `shown_us`.
+    ///
+    /// # Errors
+    /// Why it does not count; the arm does not move then.
+    pub fn hold(&mut self, tab: Tab, number: u64, shown_us: u64, now_us: u64) -> Result<(), Refusal> {
+        let stop = self.stop;
+        let holder = self.holder_mut(tab, now_us).ok_or(Refusal::NotInControl)?;
+        holder.heard_us = now_us;
+        if holder
+            .press
+            .is_some_and(|press| press.number != number || now_us.saturating_sub(press.told_us) > HICCUP_US)
+        {
+            holder.end_press();
+        }
+        if !holder.let_go || number <= holder.ended {
+            return Err(Refusal::Ended);
+        }
+        if stop {
+            holder.ended = number;
+            return Err(Refusal::Stopped);
+        }
+        // what the page says it has heard later than now it has not heard from us
+        if shown_us > now_us || now_us - shown_us > HEARD_US {
+            if holder.press.is_none() {
+                holder.ended = number;
+            }
+            return Err(Refusal::Late);
+        }
+        holder.press = Some(Press { number, told_us: now_us });
+        Ok(())
+    }
+
+    /// The button is let go.
+    pub fn release(&mut self, tab: Tab, now_us: u64) {
+        if let Some(holder) = self.holder_mut(tab, now_us) {
+            holder.heard_us = now_us;
+            holder.let_go = true;
+            holder.end_press();
+        }
+    }
+
+    /// Stop: by anybody.
+    pub fn stop(&mut self) {
+        self.stop = true;
+        if let Some(holder) = &mut self.holder {
+            holder.end_press();
+        }
+    }
+
+    /// Ends a stop, here and at the slave. The button has to be pressed anew.
+    ///
+    /// # Errors
+    /// [`Refusal::NotInControl`], [`Refusal::ButtonsElsewhere`]
+    pub fn reset(&mut self, tab: Tab, now_us: u64) -> Result<(), Refusal> {
+        if !self.drives {
+            return Err(Refusal::ButtonsElsewhere);
+        }
+        let holder = self.holder_mut(tab, now_us).ok_or(Refusal::NotInControl)?;
+        holder.heard_us = now_us;
+        holder.end_press();
+        self.stop = false;
+        self.resets = self.resets.wrapping_add(1);
+        Ok(())
+    }
+
+    /// Whoever has the buttons elsewhere has reset: a stop from here is over.
+    pub const fn reset_elsewhere(&mut self) {
+        self.stop = false;
+    }
+
+    /// Whether this tab drives.
+    #[must_use]
+    pub fn is_holder(&self, tab: Tab, now_us: u64) -> bool {
+        self.present(now_us).is_some_and(|holder| holder.tab == tab)
+    }
+
+    /// What the arm is told now.
+    #[must_use]
+    pub fn buttons(&self, now_us: u64) -> Buttons {
+        Buttons { pressed: self.is_pressed(now_us), stop: self.stop, resets: self.resets }
+    }
+
+    /// What a page is told of it; `tab` reads it.
+    #[must_use]
+    pub fn view(&self, tab: Option<Tab>, now_us: u64) -> ControlView {
+        let holder = self.present(now_us);
+        ControlView {
+            holder: holder.map(|holder| holder.name.clone()),
+            yours: tab.is_some_and(|tab| self.is_holder(tab, now_us)),
+            drives: self.drives,
+            pressed: self.is_pressed(now_us),
+            stopped: self.stop,
+            press_age_us: holder
+                .and_then(|holder| holder.press)
+                .map(|press| now_us.saturating_sub(press.told_us)),
+        }
+    }
+
+    fn is_pressed(&self, now_us: u64) -> bool {
+        let press = self.present(now_us).and_then(|holder| holder.press);
+        !self.stop && press.is_some_and(|press| now_us.saturating_sub(press.told_us) <= FRESH_US)
+    }
+
+    /// Who drives and has been heard lately.
+    fn present(&self, now_us: u64) -> Option<&Holder> {
+        self.holder.as_ref().filter(|holder| now_us.saturating_sub(holder.heard_us) <= ABSENT_US)
+    }
+
+    fn holder_mut(&mut self, tab: Tab, now_us: u64) -> Option<&mut Holder> {
+        let here = self.is_holder(tab, now_us);
+        self.holder.as_mut().filter(|_| here)
+    }
+}
+
+impl Holder {
+    fn end_press(&mut self) {
+        if let Some(press) = self.press.take() {
+            self.ended = self.ended.max(press.number);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

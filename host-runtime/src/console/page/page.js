@@ -1,0 +1,48 @@
+// What the pages have in common: text into elements, the state of the link, and the lines that were told.
+
+const SILENT_MS = 500;
+
+export const find = (id) => document.getElementById(id);
+
+// Changes an element's text where it differs, so that readers of the screen are not told it again.
+export function write(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+export function ms(us) {
+  return us === null || us === undefined ? "never" : us < 1e6 ? `${(us / 1000).toFixed(0)} ms` : `${(us / 1e6).toFixed(1)} s`;
+}
+
+// Rows of a table's body; each a list of texts.
+export function rows(body, table) {
+  while (body.rows.length > table.length) body.deleteRow(-1);
+  table.forEach((texts, at) => {
+    const row = body.rows[at] ?? body.insertRow();
+    while (row.cells.length < texts.length) row.insertCell();
+    texts.forEach((text, cell) => write(row.cells[cell], text));
+  });
+}
+
+export function items(list, texts, name = "li") {
+  while (list.children.length > texts.length) list.lastElementChild.remove();
+  texts.forEach((text, at) => {
+    const item = list.children[at] ?? list.appendChild(document.createElement(name));
+    write(item, text);
+  });
+}
+
+export function lines(list, told) {
+  items(list, told.map((line) => line.text).reverse());
+}
+
+// Says whether the console is heard, now and ten times a second.
+export function watchLink(live, element) {
+  const tell = () => {
+    const silent = live.silentMs > SILENT_MS;
+    document.body.classList.toggle("silent", silent);
+    const age = Number.isFinite(live.silentMs) ? ` for ${(live.silentMs / 1000).toFixed(1)} s: what you see is old` : "";
+    write(element, silent ? `NO CONNECTION${age}` : "connected");
+  };
+  setInterval(tell, 100);
+  live.addEventListener("lost", tell);
+}

@@ -1,0 +1,259 @@
+//! What the pages are told of the operator's loop, at one moment. Plain numbers and words, made into JSON by
+//! the console's thread.
+
+use crate::station::arm_words;
+use crate::station::delays::{Delays, Stage};
+use crate::station::operator::OperatorStep;
+use serde::Serialize;
+use tetrad_core::observation::{Ball, ObservationState, Observations};
+use tetrad_core::wire::{ArmState, ArmStatePacket};
+
+/// Everything at one moment.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Snapshot {
+    /// Counts the snapshots.
+    pub sequence: u64,
+    /// When it was so, by the operator's clock, microseconds.
+    pub time_us: u64,
+    /// The hand; `None` before the first instant.
+    pub hand: Option<HandView>,
+    /// The cameras that see it, in their order.
+    pub cameras: Vec<CameraView>,
+    /// The arm; `None` until it was heard.
+    pub arm: Option<ArmView>,
+    /// Share of the time since the arm was first heard in which it followed the hand, 0 to 1.
+    pub engaged_share: f64,
+    /// The stations of the link.
+    pub links: Vec<LinkView>,
+    /// How long each stage took, since the start.
+    pub delays: Vec<DelayView>,
+    /// The pictures of the slave's cameras.
+    pub pictures: Vec<PictureView>,
+    /// What was told last, the newest at the end.
+    pub lines: Vec<Line>,
+}
+
+/// Where the hand is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HandView {
+    /// How the pose is known, in one word.
+    pub state: &'static str,
+    /// Microseconds since the instant it is of.
+    pub age_us: u64,
+    /// Millimetres, in the axes of the first complete instant; `None` without a pose.
+    pub position_mm: Option<[f32; 3]>,
+    /// The rotation row by row.
+    pub rotation: Option<[f32; 9]>,
+    /// Standard deviation along each axis, millimetres.
+    pub sigma_mm: Option<[f32; 3]>,
+    /// Standard deviation about each axis, degrees.
+    pub sigma_deg: Option<[f32; 3]>,
+    /// The covariance of the position row by row, mm^2.
+    pub covariance_mm2: Option<[f32; 9]>,
+}
+
+/// One camera of the hand.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct CameraView {
+    /// As the station's file calls it.
+    pub name: String,
+    /// Its place among the views whose pictures can be looked at; `None`: it has none.
+    pub view: Option<usize>,
+    /// Microseconds since its last observations came; `None`: never.
+    pub age_us: Option<u64>,
+    /// Pictures a second; `None` where it is not known yet.
+    pub rate: Option<f64>,
+    /// Pixels.
+    pub width: u16,
+    /// Pixels.
+    pub height: u16,
+    /// The balls of its last picture.
+    pub balls: Vec<BallView>,
+}
+
+/// One ball in one picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BallView {
+    /// Which.
+    pub name: &'static str,
+    /// How its centre is known, in one word.
+    pub state: &'static str,
+    /// Pixels; `None` where it has no place.
+    pub centre: Option<[f32; 2]>,
+    /// Pixels.
+    pub diameter: f32,
+    /// The share of its rim that was seen, 0 to 1.
+    pub visible: f32,
+}
+
+/// The arm, as the slave tells it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ArmView {
+    /// The law's state in one word.
+    pub state: &'static str,
+    /// State, reason and what would mend it.
+    pub standing: String,
+    /// What keeps it from following as it was asked.
+    pub limits: Vec<String>,
+    /// Microseconds since its last state came.
+    pub age_us: u64,
+    /// The slave's clock then, microseconds.
+    pub slave_time_us: u64,
+    /// Measured joints, degrees; `None` before the first reading.
+    pub joints_deg: Option<[f32; 6]>,
+    /// What the joints were told, degrees.
+    pub set_point_deg: [f32; 6],
+    /// Where the tool is by that, millimetres in the robot's base.
+    pub tool_mm: [f32; 3],
+    /// And how it is turned, row by row.
+    pub tool_rotation: [f32; 9],
+    /// How fast the tool is asked to be, of what its speed limit allows, 0 to 1.
+    pub speed_share: f32,
+    /// How old the newest motion was by the slave's clock, microseconds.
+    pub command_age_us: Option<u64>,
+    /// How long ago the slave had heard of the button, microseconds.
+    pub button_age_us: Option<u32>,
+}
+
+/// One station of the link.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LinkView {
+    /// Its name.
+    pub name: String,
+    /// Whether anybody is at the other end.
+    pub connected: bool,
+    /// Microseconds since it was last heard; `None`: never.
+    pub age_us: Option<u64>,
+    /// Share of the packets that were lost on the way there, 0 to 1; `None` within one process.
+    pub loss: Option<f64>,
+    /// There and back, microseconds.
+    pub round_trip_us: Option<u64>,
+}
+
+/// One stage's delay.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DelayView {
+    /// From what to what.
+    pub stage: &'static str,
+    /// How often it was measured.
+    pub count: u64,
+    /// Milliseconds.
+    pub p50_ms: f64,
+    /// Milliseconds.
+    pub p99_ms: f64,
+    /// Milliseconds.
+    pub max_ms: f64,
+}
+
+/// A picture of the slave's scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PictureView {
+    /// Which eye.
+    pub name: &'static str,
+    /// Its place among the views.
+    pub view: usize,
+    /// Microseconds since it was taken; `None`: none has come.
+    pub age_us: Option<u64>,
+    /// Whether nobody should steer by it.
+    pub stale: bool,
+    /// How many came.
+    pub count: u64,
+}
+
+/// Something that was told.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Line {
+    /// Counts the lines.
+    pub number: u64,
+    /// What.
+    pub text: String,
+}
+
+impl HandView {
+    /// The hand of an instant.
+    #[must_use]
+    pub fn of(step: &OperatorStep, now_us: u64) -> Self {
+        let report = &step.hand.report;
+        let pose = step.hand.filtered.or(report.pose);
+        let covariance = report.covariance.as_ref().filter(|_| pose.is_some());
+        let rows = |matrix: &nalgebra::Matrix3<f32>, by: f32| {
+            let mut rows = [0.0; 9];
+            rows.iter_mut().zip(matrix.transpose().iter()).for_each(|(to, from)| *to = from * by);
+            rows
+        };
+        let sigma = |first: usize, by: f32| {
+            covariance.map(|k| [0, 1, 2].map(|axis| k[(first + axis, first + axis)].max(0.0).sqrt() * by))
+        };
+        Self {
+            state: report.state.name(),
+            age_us: now_us.saturating_sub(step.joined.t_us),
+            position_mm: pose.map(|pose| (pose.translation * 1e3).into()),
+            rotation: pose.map(|pose| rows(&pose.rotation, 1.0)),
+            sigma_mm: sigma(0, 1e3),
+            sigma_deg: sigma(3, 1f32.to_degrees()),
+            covariance_mm2: covariance.map(|k| rows(&k.fixed_view::<3, 3>(0, 0).into_owned(), 1e6)),
+        }
+    }
+}
+
+impl BallView {
+    /// The balls of a picture.
+    #[must_use]
+    pub fn all(balls: &Observations) -> Vec<Self> {
+        let of = |(ball, seen): (Ball, &tetrad_core::observation::Observation)| Self {
+            name: ball.name(),
+            state: seen.state.name(),
+            centre: (seen.state != ObservationState::Lost).then_some([seen.centre.u, seen.centre.v]),
+            diameter: seen.diameter,
+            visible: seen.visible,
+        };
+        Ball::ALL.into_iter().zip(balls).map(of).collect()
+    }
+}
+
+impl ArmView {
+    /// The arm by a state that came at `received_us`.
+    #[must_use]
+    pub fn of(packet: &ArmStatePacket, received_us: u64, now_us: u64) -> Self {
+        let degrees = |joints: [f32; 6]| joints.map(f32::to_degrees);
+        Self {
+            state: arm_words::state_name(packet.state),
+            standing: arm_words::standing(packet),
+            limits: arm_words::limits(packet),
+            age_us: now_us.saturating_sub(received_us),
+            slave_time_us: packet.time_us,
+            joints_deg: packet.measured.map(|measured| degrees(measured.joints)),
+            set_point_deg: degrees(packet.set_point),
+            tool_mm: packet.tool.translation.map(|m| m * 1e3),
+            tool_rotation: packet.tool.rotation,
+            speed_share: packet.speed_share,
+            command_age_us: packet.command_age_us(),
+            button_age_us: packet.buttons_age_us,
+        }
+    }
+}
+
+impl DelayView {
+    /// Every stage that was measured.
+    #[must_use]
+    pub fn all(delays: &Delays) -> Vec<Self> {
+        let ms = |us: u64| us as f64 / 1e3;
+        let of = |stage: Stage| {
+            let spread = delays.of(stage)?;
+            Some(Self {
+                stage: stage.name(),
+                count: spread.count,
+                p50_ms: ms(spread.p50_us),
+                p99_ms: ms(spread.p99_us),
+                max_ms: ms(spread.max_us),
+            })
+        };
+        Stage::ALL.into_iter().filter_map(of).collect()
+    }
+}
+
+/// Whether the arm follows the hand.
+#[must_use]
+pub const fn is_engaged(packet: &ArmStatePacket) -> bool {
+    matches!(packet.state, ArmState::Engaged)
+}
