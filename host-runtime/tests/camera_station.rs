@@ -201,11 +201,7 @@ fn what_is_wrong_is_refused_with_the_mend() {
     let run = || tetrad(dir.path(), "camera --config left.toml --seconds 1");
     run().refused(2, &["cannot read left.toml"]);
     station(dir.path(), "left", "source = \"sim:static-16px\"\n");
-    let unnamed = run();
-    assert!(
-        unnamed.code == Some(2) && unnamed.stderr.contains("keys/left.pem; `tetrad keys`"),
-        "{unnamed:?}"
-    );
+    run().refused(2, &["left.toml: [station] keys", "keys/left.pem", "`tetrad keys --out keys station left`"]);
     keys(dir.path());
     station(dir.path(), "left", "source = \"sim:nothing\"\n");
     run().refused(2, &["sim:nothing", "no scene is called"]);
