@@ -201,7 +201,8 @@ fn what_is_wrong_is_refused_with_the_mend() {
     let run = || tetrad(dir.path(), "camera --config left.toml --seconds 1");
     run().refused(2, &["cannot read left.toml"]);
     station(dir.path(), "left", "source = \"sim:static-16px\"\n");
-    run().refused(2, &["left.toml: [station] keys", "keys/left.pem", "`tetrad keys --out keys station left`"]);
+    run()
+        .refused(2, &["left.toml: [station] keys", "keys/left.pem", "`tetrad keys --out keys station left`"]);
     keys(dir.path());
     station(dir.path(), "left", "source = \"sim:nothing\"\n");
     run().refused(2, &["sim:nothing", "no scene is called"]);
