@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use std::fs;
 use std::path::Path;
 use tetrad_core::geometry::Pose;
-use tetrad_core::wire::{MAX_FRAME_LEN, MotionPacket, Packet, Transform, encode};
+use tetrad_core::wire::{MAX_BODY_LEN, MAX_FRAME_LEN, MotionPacket, Packet, Transform, encode, encode_body};
 use tetrad_fixtures::packets;
 
 const FRAME_US: u64 = 33_333;
@@ -42,6 +42,24 @@ fn record(file: &Path, frames: u32, damaged: Option<u32>) {
         bytes.extend_from_slice(&frame[..length]);
     }
     fs::write(file, bytes).unwrap();
+}
+
+/// A frame around any bytes, whole by its check: CRC-16/IBM-3740 behind the body, both stuffed (COBS).
+fn sealed(mut body: Vec<u8>) -> Vec<u8> {
+    let check = body.iter().fold(u16::MAX, |check, byte| {
+        (0..8).fold(check ^ (u16::from(*byte) << 8), |check, _| {
+            (check << 1) ^ if check & 0x8000 == 0 { 0 } else { 0x1021 }
+        })
+    });
+    body.extend(check.to_le_bytes());
+    let blocks = body.split(|byte| *byte == 0);
+    let mut frame = Vec::new();
+    for block in blocks {
+        frame.push(u8::try_from(block.len() + 1).unwrap());
+        frame.extend(block);
+    }
+    frame.push(0);
+    frame
 }
 
 const PATIENT: &str = "[teleop]
@@ -86,6 +104,34 @@ fn the_arm_ends_where_the_packets_lead_whatever_was_damaged() {
         // an encoder's count is a tenth of a millimetre at the tool
         assert!((last(measured) - last(name)).abs() < 1e-3, "{measured}");
     }
+}
+
+#[test]
+fn what_is_whole_and_yet_of_no_use_is_told_from_what_was_damaged() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("motion.bin");
+    let body = |number| {
+        let mut body = [0; MAX_BODY_LEN];
+        let length = encode_body(&Packet::Motion(packet(number)), &mut body).unwrap();
+        body[..length].to_vec()
+    };
+    let mut of_another_version = body(75);
+    of_another_version[0] += 1;
+    let mut impossible = body(30);
+    let moved = 0.04_f32.to_le_bytes();
+    let at = impossible.windows(4).position(|bytes| bytes == moved).expect("the hand's way");
+    impossible[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+    record(&file, 75, None);
+    let mut bytes = fs::read(&file).unwrap();
+    assert!(bytes.ends_with(&sealed(body(74))), "sealed as the program does it");
+    bytes.extend([sealed(of_another_version), sealed(impossible.clone()), sealed(impossible)].concat());
+    fs::write(&file, bytes).unwrap();
+    let ran = run(dir.path(), "--packets motion.bin --port sim:?watchdog_ms=5000").done();
+    assert!(ran.stdout.contains("75 taken, 0 never came"), "{ran:#?}");
+    assert!(ran.stdout.contains("2 with impossible numbers"), "{ran:#?}");
+    assert!(ran.stdout.contains("1 not understood"), "{ran:#?}");
+    assert!(ran.stdout.contains("update the older one"), "{ran:#?}");
+    assert!(!ran.stdout.contains("damaged"), "{ran:#?}");
 }
 
 #[test]

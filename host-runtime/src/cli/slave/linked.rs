@@ -1,6 +1,7 @@
 //! A slave on a link: the operator's station drives the arm, somebody at its terminal may stop it.
 
 use super::ending;
+use super::packets::Losses;
 use super::talk::Talk;
 use super::{SlaveArgs, address, open_port, record, report};
 use crate::cli::interrupt::Interrupt;
@@ -75,7 +76,7 @@ pub(super) fn run(
         // whoever hangs up asks for the end too
         terminal_lost = terminal_lost.or(keyboard.still_there().err());
     }
-    report(slave.station(), (0, 0));
+    report(slave.station(), Losses::default());
     for (label, line) in overseen.lines {
         say(format_args!("{label:<15} {line}"));
     }

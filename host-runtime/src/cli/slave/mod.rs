@@ -26,7 +26,7 @@ use crate::settings::arm::ArmSettings;
 use crate::settings::station::StationSettings;
 use crate::station::SlaveStation;
 use clap::{Args, ValueEnum};
-use packets::{Origin, Packets};
+use packets::{Losses, Origin, Packets};
 use run::{Ended, Run};
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
@@ -207,19 +207,24 @@ fn no_keyboard(cause: std::io::Error) -> Failure {
         .help("run it from a terminal; with a simulated arm --hold-to-run sender needs none")
 }
 
-fn report(station: &SlaveStation, (damaged, crowded_out): (u64, u64)) {
+fn report(station: &SlaveStation, losses: Losses) {
+    let Losses { damaged, foreign, impossible, crowded_out, first_foreign } = losses;
     let Counts { taken, missed, old, old_session, another_sender, bad } = station.counts();
     say(format_args!("commands        {taken} taken, {missed} never came or came late"));
     let dropped = [
         (u64::from(old), "old"),
         (u64::from(old_session), "of an old session"),
         (u64::from(another_sender), "of a second sender"),
-        (u64::from(bad), "with impossible numbers"),
+        (u64::from(bad) + impossible, "with impossible numbers"),
         (damaged, "damaged"),
+        (foreign, "not understood"),
         (crowded_out, "for which there was no room"),
     ];
     for (count, what) in dropped.into_iter().filter(|(count, _)| *count > 0) {
         say(format_args!("dropped         {count} {what}"));
+    }
+    if let Some(error) = first_foreign {
+        say(format_args!("                the first not understood: {error}"));
     }
     for line in station.robot().report() {
         say(format_args!("arm             {line}"));

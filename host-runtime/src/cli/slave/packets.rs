@@ -4,12 +4,12 @@ use crate::exit::{Exit, Failure};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
+use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
-use tetrad_core::wire::{Decoder, MotionPacket, Packet};
+use tetrad_core::wire::{DecodeError, Decoder, MotionPacket, Packet};
 
 /// Packets that may wait to be looked at. The loop empties the queue every cycle; what does not fit
 /// is newer than what a stalled loop will want to see, and counted.
@@ -59,10 +59,26 @@ pub(super) struct Packets {
 
 #[derive(Debug, Default)]
 struct Counts {
-    /// Frames that were no packets.
     damaged: AtomicU64,
-    /// Packets for which there was no room.
+    foreign: AtomicU64,
+    impossible: AtomicU64,
     crowded_out: AtomicU64,
+    first_foreign: OnceLock<DecodeError>,
+}
+
+/// What came and never got to the arm.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Losses {
+    /// Frames whose bytes were changed or lost on the way.
+    pub damaged: u64,
+    /// Whole frames that this program does not understand: those of another version, say.
+    pub foreign: u64,
+    /// Packets that were understood and may not be used.
+    pub impossible: u64,
+    /// Packets for which there was no room.
+    pub crowded_out: u64,
+    /// Why the first of the foreign ones was not understood.
+    pub first_foreign: Option<DecodeError>,
 }
 
 impl Packets {
@@ -106,10 +122,35 @@ impl Packets {
         }
     }
 
-    /// How many frames were damaged, and how many packets were crowded out.
-    pub(super) fn losses(&self) -> (u64, u64) {
+    /// What came and was dropped, so far.
+    pub(super) fn losses(&self) -> Losses {
         let count = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
-        (count(&self.counts.damaged), count(&self.counts.crowded_out))
+        Losses {
+            damaged: count(&self.counts.damaged),
+            foreign: count(&self.counts.foreign),
+            impossible: count(&self.counts.impossible),
+            crowded_out: count(&self.counts.crowded_out),
+            first_foreign: self.counts.first_foreign.get().copied(),
+        }
+    }
+}
+
+impl Counts {
+    fn not_a_packet(&self, error: DecodeError) {
+        let counter = match error {
+            DecodeError::BadFraming | DecodeError::Overlong | DecodeError::TooShort | DecodeError::BadCrc => {
+                &self.damaged
+            }
+            DecodeError::UnknownVersion(_)
+            | DecodeError::UnknownKind(_)
+            | DecodeError::MalformedBody
+            | DecodeError::TrailingBytes => {
+                self.first_foreign.get_or_init(|| error);
+                &self.foreign
+            }
+            DecodeError::Value(_) => &self.impossible,
+        };
+        counter.fetch_add(1, Ordering::Relaxed);
     }
 }
 
@@ -155,9 +196,7 @@ impl Reader {
                     }
                     // what cameras saw is for somebody else
                     Ok(Packet::Observation(_) | Packet::ArmState(_) | Packet::Buttons(_)) => {}
-                    Err(_) => {
-                        self.counts.damaged.fetch_add(1, Ordering::Relaxed);
-                    }
+                    Err(error) => self.counts.not_a_packet(error),
                 }
             }
         }

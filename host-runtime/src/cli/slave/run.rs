@@ -4,7 +4,7 @@
 //! made up for.
 
 use super::ending;
-use super::packets::{Next, Packets};
+use super::packets::{Losses, Next, Packets};
 use super::talk::Talk;
 use crate::cli::interrupt::Interrupt;
 use crate::cli::keyboard::{Key, Keyboard, went_away};
@@ -52,8 +52,8 @@ pub(super) struct Run {
 /// What is left of a run.
 pub(super) struct Ended {
     pub(super) station: SlaveStation,
-    /// Frames that were damaged, and packets for which there was no room.
-    pub(super) losses: (u64, u64),
+    /// What came and was dropped.
+    pub(super) losses: Losses,
     /// How it ended, where not well.
     pub(super) worst: Option<(Exit, String)>,
 }
