@@ -1,47 +1,62 @@
-//! The files of a run: where the hand was, what the slave said, how long it took.
+//! The files of a run: where the hand was, what the slave said, how long it took. Rows are written on a thread
+//! of their own: the motion does not wait for a disk.
 
 use crate::link::Received;
-use crate::output::{ArmStateCsv, OutputError, PoseCsv, write_delays};
+use crate::output::{ArmStateCsv, Aside, OutputError, PoseCsv, write_delays};
+use crate::pipeline::HandStep;
 use crate::station::delays::Delays;
 use crate::station::operator::OperatorStep;
 use std::path::{Path, PathBuf};
 use tetrad_core::wire::ArmStatePacket;
 
+/// So many rows wait for the disk at most: some seconds of instants and arm states.
+const WAITING: usize = 2_048;
+
 /// See the [module's text](self).
 pub(super) struct Record {
     pub(super) dir: PathBuf,
-    pose: PoseCsv,
-    filtered: PoseCsv,
-    arm: ArmStateCsv,
+    rows: Aside<Row>,
     frame: u64,
+}
+
+/// What a row is made of.
+enum Row {
+    /// The instant's number, and its time by the operator's clock, seconds.
+    Hand((u64, f64), HandStep),
+    Arm(Received<ArmStatePacket>),
 }
 
 impl Record {
     pub(super) fn create(dir: &Path) -> Result<Self, OutputError> {
-        Ok(Self {
-            dir: dir.to_owned(),
-            pose: PoseCsv::create(dir)?,
-            filtered: PoseCsv::create_filtered(dir)?,
-            arm: ArmStateCsv::create(dir)?,
-            frame: 0,
+        let mut pose = PoseCsv::create(dir)?;
+        let mut filtered = PoseCsv::create_filtered(dir)?;
+        let mut arm = ArmStateCsv::create(dir)?;
+        let rows = Aside::start(WAITING, move |row: &Row| match row {
+            Row::Hand(at, HandStep { report, filtered: smoothed, .. }) => {
+                pose.write(*at, report.pose.as_ref(), report.state)?;
+                filtered.write(*at, smoothed.as_ref(), report.state)
+            }
+            Row::Arm(state) => arm.write(state),
         })
+        .map_err(|cause| OutputError { path: dir.to_owned(), cause })?;
+        Ok(Self { dir: dir.to_owned(), rows, frame: 0 })
     }
 
     /// An instant, by the operator's clock.
     pub(super) fn step(&mut self, step: &OperatorStep) -> Result<(), OutputError> {
         let at = (self.frame, step.joined.t_us as f64 * 1e-6);
-        let report = &step.hand.report;
-        self.pose.write(at, report.pose.as_ref(), report.state)?;
-        self.filtered.write(at, step.hand.filtered.as_ref(), report.state)?;
         self.frame += 1;
-        Ok(())
+        self.rows.put(Row::Hand(at, step.hand))
     }
 
     pub(super) fn arm(&mut self, state: &Received<ArmStatePacket>) -> Result<(), OutputError> {
-        self.arm.write(state)
+        self.rows.put(Row::Arm(*state))
     }
 
-    pub(super) fn end(&self, delays: &Delays) -> Result<(), OutputError> {
-        write_delays(&self.dir, delays)
+    /// Waits until all is written; how many rows were lost.
+    pub(super) fn end(&mut self, delays: &Delays) -> Result<u64, OutputError> {
+        let lost = self.rows.end()?;
+        write_delays(&self.dir, delays)?;
+        Ok(lost)
     }
 }

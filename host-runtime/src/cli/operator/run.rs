@@ -292,10 +292,12 @@ impl Run {
 
     fn finish_record(&mut self) -> Result<(), OutputError> {
         self.pictures.end(self.parts.clock.now_us())?;
-        match &self.parts.record {
-            Some(record) => record.end(self.parts.station.delays()),
-            None => Ok(()),
+        let Some(record) = &mut self.parts.record else { return Ok(()) };
+        let lost = record.end(self.parts.station.delays())?;
+        if lost > 0 {
+            self.print(&format!("the record lacks {lost} rows: the disk was too slow"));
         }
+        Ok(())
     }
 
     fn sleep(&mut self) {
