@@ -8,6 +8,7 @@ use crate::link::{Carrier as _, Link, Peer, Picture};
 use crate::robot::clock::Clock;
 use crate::settings::station::{NetworkSettings, StationSettings};
 use crate::station::camera::Step;
+use crate::station::camera::Windows;
 use crate::station::{CameraSink, CameraStation, Label, Marks, Preview};
 use anyhow::Context as _;
 use clap::Args;
@@ -138,7 +139,7 @@ impl Peers {
     fn new(link: &Link, preview_fps: f64) -> Result<Self, Failure> {
         let peers: Vec<Peer> = link.peers().collect();
         let lookers = peers.clone();
-        let send = move |picture: Picture, _: &ObservationPacket| {
+        let send = move |picture: Picture, _: &ObservationPacket, _: &Windows| {
             for peer in &lookers {
                 // one that is too large is one that nobody sees; the next may not be
                 let _ = peer.send_picture(&picture);
@@ -160,9 +161,9 @@ impl CameraSink for Peers {
         }
     }
 
-    fn pictured(&mut self, picture: &FrameView<'_>, packet: &ObservationPacket) {
+    fn pictured(&mut self, picture: &FrameView<'_>, packet: &ObservationPacket, windows: &Windows) {
         if let Some(preview) = &mut self.preview {
-            preview.offer(picture, packet);
+            preview.offer(picture, packet, windows);
         }
     }
 }

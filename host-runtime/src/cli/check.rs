@@ -2,7 +2,8 @@
 
 mod notes;
 
-use super::say;
+use super::{devices, say};
+use crate::console::Checklist;
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::MDNS;
 use crate::settings::Start;
@@ -65,6 +66,15 @@ pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
     notes::notes(&settings).iter().for_each(|note| row("note", note));
     row("ready for", ready.join(", "));
     Ok(())
+}
+
+/// What the console's page shows of it: of a station's file, where there is one, and of this computer.
+pub(super) fn checklist(station: Option<&StationSettings>) -> Checklist {
+    Checklist {
+        file: station.map(|station| station.file.display().to_string()),
+        notes: station.map_or_else(Vec::new, notes::notes),
+        devices: devices::listed(),
+    }
 }
 
 /// The commands that the file is enough for.

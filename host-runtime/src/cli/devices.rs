@@ -287,6 +287,11 @@ impl Ask for System {
 
 /// Lists the devices of this machine.
 pub(super) fn run() -> Result<(), Failure> {
-    super::say(format_args!("{}", devices(&Roots::system(), &System)).to_string().trim_end());
+    super::say(listed());
     Ok(())
+}
+
+/// The devices of this machine, as a list to be read.
+pub(super) fn listed() -> String {
+    devices(&Roots::system(), &System).to_string().trim_end().to_owned()
 }

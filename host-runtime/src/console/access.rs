@@ -189,11 +189,15 @@ pub(super) async fn guard(Of(state): Of<State>, request: Request<Body>, next: Ne
         }),
         Err(refused) => {
             state.desk.counts().refused.fetch_add(1, Ordering::Relaxed);
+            tracing::warn!(why = ?refused, method = %request.method(), path = request.uri().path(), "a request is refused");
             refused.answer(request.headers())
         }
     };
     for (name, value) in HEADERS {
-        response.headers_mut().insert(name, value);
+        // what may be kept says so itself
+        if name != header::CACHE_CONTROL || !response.headers().contains_key(&name) {
+            response.headers_mut().insert(name, value);
+        }
     }
     response
 }

@@ -2,7 +2,7 @@
 
 use super::access::{self, Access, MAX_BODY};
 use super::desk::Desk;
-use super::{live, metrics, pages, pictures};
+use super::{arm, checklist, live, metrics, pages, pictures, plotly};
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, State as Of};
 use axum::http::{HeaderMap, StatusCode, header};
@@ -41,8 +41,11 @@ fn routes(state: State) -> Router {
         .route("/pictures", get(pictures::upgrade))
         .route("/api/stop", post(stop))
         .route("/api/snapshot", get(snapshot))
+        .route("/api/arm", get(arm::arm))
+        .route("/api/checklist", get(checklist::checklist))
         .route("/metrics", get(metrics::metrics))
         .route("/health", get(metrics::health))
+        .route("/plotly.js", get(plotly::script))
         .route("/sign-in", get(pages::sign_in).post(sign_in));
     pages::PAGES
         .iter()
@@ -54,6 +57,7 @@ fn routes(state: State) -> Router {
 
 /// The arm stops, whoever asks for it.
 async fn stop(Of(state): Of<State>) -> &'static str {
+    tracing::warn!("stop is asked for by POST");
     state.desk.stop();
     "stopped\n"
 }

@@ -1,6 +1,7 @@
 //! What the console's server and the loops have in common: the newest of each kind, locked for a copy, and no
 //! queue. Whoever brings something never waits for whoever reads it.
 
+use super::checklist::{Checker, Checks};
 use super::control::{Control, Refusal, Tab};
 use super::snapshot::{BallView, Snapshot};
 use crate::link::Doorbell;
@@ -71,6 +72,7 @@ struct Shared {
     pictured: watch::Sender<u64>,
     counts: Counts,
     tabs: AtomicU64,
+    checks: Checks,
 }
 
 /// See the [module's text](self). Clones are the same desk.
@@ -107,7 +109,17 @@ impl Desk {
             pictured: watch::Sender::new(0),
             counts: Counts::default(),
             tabs: AtomicU64::new(0),
+            checks: Checks::default(),
         }))
+    }
+
+    /// Says who looks through this computer for the page that asks what is missing; the first stays.
+    pub fn check_by(&self, checker: Checker) {
+        self.0.checks.by(checker);
+    }
+
+    pub(super) fn checks(&self) -> &Checks {
+        &self.0.checks
     }
 
     /// The operator's clock.

@@ -4,7 +4,7 @@
 //! socket is closed after [`STALLED`].
 
 use super::app::State;
-use super::control::{ControlView, Refusal};
+use super::control::ControlView;
 use super::desk::{Desk, Seat};
 use super::snapshot::Snapshot;
 use axum::extract::State as Of;
@@ -146,6 +146,7 @@ fn hear(desk: &Desk, seat: &Seat, message: &str) -> Option<Utf8Bytes> {
             ("take", desk.with_control(|control, now_us| control.take(tab, &name, now_us)))
         }
         Said::Give => {
+            tracing::info!(page = tab.0, "control is given up");
             desk.with_control(|control, _| control.leave(tab));
             return None;
         }
@@ -161,13 +162,26 @@ fn hear(desk: &Desk, seat: &Seat, message: &str) -> Option<Utf8Bytes> {
             return None;
         }
         Said::Stop => {
+            tracing::warn!(page = tab.0, "stop is pressed");
             desk.stop();
             return None;
         }
         Said::Reset => ("reset", desk.with_control(|control, now_us| control.reset(tab, now_us))),
         Said::Homed => ("homed", desk.homed(tab)),
     };
-    done.err().map(|why: Refusal| text(&Told::Refused { what, why: why.to_string() }))
+    match done {
+        Ok(()) => {
+            // the button is told thirty times a second
+            if what != "hold" {
+                tracing::info!(page = tab.0, what, "the operator's page asks");
+            }
+            None
+        }
+        Err(why) => {
+            tracing::debug!(page = tab.0, what, %why, "the operator's page is refused");
+            Some(text(&Told::Refused { what, why: why.to_string() }))
+        }
+    }
 }
 
 /// Whoever cannot be understood is not believed to hold the button.

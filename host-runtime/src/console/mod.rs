@@ -18,6 +18,8 @@
 
 pub mod access;
 pub mod app;
+mod arm;
+mod checklist;
 pub mod control;
 pub mod desk;
 mod live;
@@ -25,6 +27,7 @@ mod metrics;
 mod onlooker;
 mod pages;
 mod pictures;
+mod plotly;
 mod serve;
 pub mod snapshot;
 #[cfg(test)]
@@ -32,6 +35,7 @@ pub(crate) mod testing;
 mod tls;
 
 pub use access::{Access, Token};
+pub use checklist::{Checker, Checklist};
 pub use desk::{Desk, ViewKind};
 pub use onlooker::onlooker;
 pub use serve::{Console, ConsoleError};

@@ -16,21 +16,21 @@ const FPS: f64 = 15.0;
 /// The system has no thread left.
 pub fn onlooker(desk: &Desk, view: usize) -> io::Result<Onlooker> {
     let to = desk.clone();
-    let mut preview = Preview::start(FPS, Marks::Beside, move |picture, packet| {
+    let mut preview = Preview::start(FPS, Marks::Beside, move |picture, packet, windows| {
         let shown = Shown {
             sequence: picture.sequence,
             taken_us: picture.capture_us,
             width: picture.width,
             height: picture.height,
-            balls: BallView::all(&packet.balls),
+            balls: BallView::all_in(&packet.balls, windows),
             jpeg: picture.jpeg.into(),
         };
         to.show(view, shown);
     })?;
     let desk = desk.clone();
-    Ok(Box::new(move |picture, packet| {
+    Ok(Box::new(move |picture, packet, windows| {
         if desk.is_looked_at(view) {
-            preview.offer(picture, packet);
+            preview.offer(picture, packet, windows);
         }
     }))
 }

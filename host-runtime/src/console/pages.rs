@@ -17,16 +17,28 @@ const STYLE: &str = "text/css; charset=utf-8";
 const PICTURE: &str = "image/svg+xml";
 
 /// Every file, by its path.
-pub(super) const PAGES: [Page; 11] = [
+pub(super) const PAGES: [Page; 23] = [
     Page { path: "/", kind: HTML, content: include_str!("page/index.html") },
     Page { path: "/drive", kind: HTML, content: include_str!("page/drive.html") },
+    Page { path: "/slave", kind: HTML, content: include_str!("page/slave.html") },
     Page { path: "/style.css", kind: STYLE, content: include_str!("page/style.css") },
     Page { path: "/icon.svg", kind: PICTURE, content: include_str!("page/icon.svg") },
     Page { path: "/page.js", kind: SCRIPT, content: include_str!("page/page.js") },
+    Page { path: "/plot.css", kind: STYLE, content: include_str!("page/plot.css") },
+    Page { path: "/plot.js", kind: SCRIPT, content: include_str!("page/plot.js") },
     Page { path: "/live.js", kind: SCRIPT, content: include_str!("page/live.js") },
     Page { path: "/hold.js", kind: SCRIPT, content: include_str!("page/hold.js") },
     Page { path: "/views.js", kind: SCRIPT, content: include_str!("page/views.js") },
     Page { path: "/stop.js", kind: SCRIPT, content: include_str!("page/stop.js") },
+    Page { path: "/controls.js", kind: SCRIPT, content: include_str!("page/controls.js") },
+    Page { path: "/gauges.js", kind: SCRIPT, content: include_str!("page/gauges.js") },
+    Page { path: "/palette.js", kind: SCRIPT, content: include_str!("page/palette.js") },
+    Page { path: "/pictures.js", kind: SCRIPT, content: include_str!("page/pictures.js") },
+    Page { path: "/plot-delays.js", kind: SCRIPT, content: include_str!("page/plot-delays.js") },
+    Page { path: "/scene.js", kind: SCRIPT, content: include_str!("page/scene.js") },
+    Page { path: "/scene-space.js", kind: SCRIPT, content: include_str!("page/scene-space.js") },
+    Page { path: "/slave.js", kind: SCRIPT, content: include_str!("page/slave.js") },
+    Page { path: "/stereo.js", kind: SCRIPT, content: include_str!("page/stereo.js") },
     Page { path: "/drive.js", kind: SCRIPT, content: include_str!("page/drive.js") },
     Page { path: "/index.js", kind: SCRIPT, content: include_str!("page/index.js") },
 ];
@@ -49,3 +61,6 @@ pub(super) async fn sign_in_again() -> Html<String> {
             .replace("<!-- again -->", "<p class=\"bad\">That is not the token.</p>"),
     )
 }
+
+#[cfg(test)]
+mod tests;

@@ -112,7 +112,9 @@ impl Console {
                 // the sockets end with the runtime
             })
             .map_err(ConsoleError::Thread)?;
-        Ok(Self { address, tls: secure, end, thread: Some(thread) })
+        let console = Self { address, tls: secure, end, thread: Some(thread) };
+        tracing::info!(url = console.url(), "the console listens");
+        Ok(console)
     }
 
     /// Where it listens.

@@ -1,11 +1,14 @@
 //! What the pages are told of the operator's loop, at one moment. Plain numbers and words, made into JSON by
 //! the console's thread.
 
-use crate::station::arm_words;
+use crate::station::camera::Windows;
 use crate::station::delays::{Delays, Stage};
 use crate::station::operator::OperatorStep;
+use crate::station::{SlaveAnnouncement, arm_words};
 use serde::Serialize;
+use tetrad_core::geometry::Pose;
 use tetrad_core::observation::{Ball, ObservationState, Observations};
+use tetrad_core::vision::search::Region;
 use tetrad_core::wire::{ArmState, ArmStatePacket};
 
 /// Everything at one moment.
@@ -23,6 +26,10 @@ pub struct Snapshot {
     pub arm: Option<ArmView>,
     /// Share of the time since the arm was first heard in which it followed the hand, 0 to 1.
     pub engaged_share: f64,
+    /// How the slave follows, as it has announced; `None` until it was heard.
+    pub slave: Option<SlaveView>,
+    /// Where the hand asks the tool to be; `None` while the arm does not follow.
+    pub goal: Option<GoalView>,
     /// The stations of the link.
     pub links: Vec<LinkView>,
     /// How long each stage took, since the start.
@@ -84,6 +91,9 @@ pub struct BallView {
     pub diameter: f32,
     /// The share of its rim that was seen, 0 to 1.
     pub visible: f32,
+    /// Where it was looked for first: first column and row, one past the last column and row, pixels;
+    /// `None` where it was searched in the whole picture, or nobody says.
+    pub window: Option<[i32; 4]>,
 }
 
 /// The arm, as the slave tells it.
@@ -93,6 +103,8 @@ pub struct ArmView {
     pub state: &'static str,
     /// State, reason and what would mend it.
     pub standing: String,
+    /// How its controller stands, in words.
+    pub controller: String,
     /// What keeps it from following as it was asked.
     pub limits: Vec<String>,
     /// Microseconds since its last state came.
@@ -113,6 +125,34 @@ pub struct ArmView {
     pub command_age_us: Option<u64>,
     /// How long ago the slave had heard of the button, microseconds.
     pub button_age_us: Option<u32>,
+}
+
+/// How the slave follows: its own settings, which no page changes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SlaveView {
+    /// What drives the arm: `sim`, `dry-run`, `val2`, `canopen`.
+    pub port: String,
+    /// Whether somebody could be hurt by it.
+    pub moves_an_arm: bool,
+    /// Metres of the tool for one of the hand.
+    pub scale: f64,
+    /// Radians of the tool for one of the hand; `None`: it keeps its orientation.
+    pub turn_scale: Option<f64>,
+    /// The robot's base axes from those of the hand, row by row.
+    pub robot_from_hand: Option<[f64; 9]>,
+    /// The least corner of where the tool may be, millimetres in the robot's base.
+    pub workspace_min_mm: [f64; 3],
+    /// The largest corner.
+    pub workspace_max_mm: [f64; 3],
+}
+
+/// A pose of the tool, in the robot's base.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GoalView {
+    /// Millimetres.
+    pub place_mm: [f64; 3],
+    /// Row by row.
+    pub rotation: [f64; 9],
 }
 
 /// One station of the link.
@@ -206,8 +246,17 @@ impl BallView {
             centre: (seen.state != ObservationState::Lost).then_some([seen.centre.u, seen.centre.v]),
             diameter: seen.diameter,
             visible: seen.visible,
+            window: None,
         };
         Ball::ALL.into_iter().zip(balls).map(of).collect()
+    }
+
+    /// The same, with where they were looked for.
+    #[must_use]
+    pub fn all_in(balls: &Observations, windows: &Windows) -> Vec<Self> {
+        let window = |region: Region| [region.x0, region.y0, region.x1, region.y1];
+        let all = Self::all(balls).into_iter().zip(windows);
+        all.map(|(ball, region)| Self { window: region.map(window), ..ball }).collect()
     }
 }
 
@@ -219,6 +268,7 @@ impl ArmView {
         Self {
             state: arm_words::state_name(packet.state),
             standing: arm_words::standing(packet),
+            controller: arm_words::controller(packet.controller),
             limits: arm_words::limits(packet),
             age_us: now_us.saturating_sub(received_us),
             slave_time_us: packet.time_us,
@@ -230,6 +280,32 @@ impl ArmView {
             command_age_us: packet.command_age_us(),
             button_age_us: packet.buttons_age_us,
         }
+    }
+}
+
+impl SlaveView {
+    /// What a slave says of itself.
+    #[must_use]
+    pub fn of(slave: &SlaveAnnouncement) -> Self {
+        Self {
+            port: slave.port.clone(),
+            moves_an_arm: slave.moves_an_arm,
+            scale: slave.scale,
+            turn_scale: slave.turn_scale,
+            robot_from_hand: slave.robot_from_hand,
+            workspace_min_mm: slave.workspace_min_mm,
+            workspace_max_mm: slave.workspace_max_mm,
+        }
+    }
+}
+
+impl GoalView {
+    /// A goal in metres.
+    #[must_use]
+    pub fn of(goal: &Pose<f64>) -> Self {
+        let mut rotation = [0.0; 9];
+        rotation.iter_mut().zip(goal.rotation.transpose().iter()).for_each(|(to, from)| *to = *from);
+        Self { place_mm: (goal.translation * 1e3).into(), rotation }
     }
 }
 
@@ -256,4 +332,20 @@ impl DelayView {
 #[must_use]
 pub const fn is_engaged(packet: &ArmStatePacket) -> bool {
     matches!(packet.state, ArmState::Engaged)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tetrad_core::observation::BALLS;
+
+    #[test]
+    fn a_ball_is_told_with_where_it_was_looked_for() {
+        let mut windows = [None; BALLS];
+        windows[2] = Some(Region { x0: 3, y0: 4, x1: 30, y1: 40 });
+        let balls = BallView::all_in(&Observations::default(), &windows);
+        let told: Vec<_> = balls.iter().map(|ball| (ball.name, ball.window)).collect();
+        assert_eq!(told, [("red", None), ("green", None), ("blue", Some([3, 4, 30, 40])), ("yellow", None)]);
+        assert!(BallView::all(&Observations::default()).iter().all(|ball| ball.window.is_none()));
+    }
 }

@@ -73,6 +73,10 @@ impl LinkShared {
     }
 
     pub(super) fn tell(&self, event: LinkEvent) {
+        match &event {
+            LinkEvent::Connected { .. } => tracing::info!("{event}"),
+            _ => tracing::warn!("{event}"),
+        }
         let mut events = self.events.lock().unwrap_or_else(PoisonError::into_inner);
         if events.len() >= EVENTS {
             events.pop_front();

@@ -16,6 +16,7 @@ mod svg;
 mod table;
 
 pub use figure::{Axis, Figure, Look, Panel, Series};
+pub(crate) use plot::script as plotly_script;
 pub use table::{Cell, Table};
 
 use crate::output::OutputError;

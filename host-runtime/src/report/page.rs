@@ -42,7 +42,7 @@ pub(super) fn html(report: &Report) -> String {
         page.push_str("</section>\n");
     }
     let library = plot::script();
-    let _ = writeln!(page, "{library}\n<script>\n{SCRIPT}</script>\n</body>\n</html>");
+    let _ = writeln!(page, "<script>{library}</script>\n<script>\n{SCRIPT}</script>\n</body>\n</html>");
     page
 }
 

@@ -10,14 +10,20 @@ const INK: &str = "#7a7f87";
 const GRID: &str = "rgba(128,128,128,0.25)";
 const CLEAR: &str = "rgba(0,0,0,0)";
 
-/// The script that draws the plots, as an HTML element: plotly.js without what the crate adds for
-/// formulas, which no plot here has.
-pub(super) fn script() -> String {
-    let mut sources = Plot::offline_js_sources();
+/// The script that draws the plots: plotly.js without what the crate adds for formulas, which no plot here
+/// has.
+pub(crate) fn script() -> String {
+    // the crate gives it as elements of a page, this one first
+    const BEGIN: &str = ">";
     const END: &str = "</script>";
+    let mut sources = Plot::offline_js_sources();
     if let Some(end) = sources.find(END) {
-        sources.truncate(end + END.len());
+        sources.truncate(end);
     }
+    if let Some(begin) = sources.find(BEGIN) {
+        sources.drain(..begin + BEGIN.len());
+    }
+    sources.shrink_to_fit();
     sources
 }
 

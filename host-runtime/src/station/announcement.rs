@@ -5,7 +5,7 @@
 
 use crate::robot::{RobotAddress, RobotKind};
 use serde::{Deserialize, Serialize};
-use tetrad_core::config::SlaveConfig;
+use tetrad_core::config::{SlaveConfig, Turning};
 use tetrad_core::wire::VERSION;
 
 /// The message. Fields that are not known are passed over, so that a slave may say more.
@@ -21,6 +21,12 @@ pub struct SlaveAnnouncement {
     pub moves_an_arm: bool,
     /// Metres of the tool for one of the hand.
     pub scale: f64,
+    /// Radians of the tool for one of the hand; `None`: the tool keeps its orientation, or nobody says.
+    #[serde(default)]
+    pub turn_scale: Option<f64>,
+    /// The robot's base axes from those of the hand, row by row; `None` where nobody says.
+    #[serde(default)]
+    pub robot_from_hand: Option<[f64; 9]>,
     /// The least corner of where the tool may be, in the robot's base, millimetres.
     pub workspace_min_mm: [f64; 3],
     /// The largest corner.
@@ -54,12 +60,20 @@ impl SlaveAnnouncement {
         };
         let workspace = &config.teleop.workspace;
         let mm = |m: f64| m * 1000.0;
+        let mut rows = [0.0; 9];
+        let by_rows = config.teleop.robot_from_hand.transpose();
+        rows.iter_mut().zip(by_rows.iter()).for_each(|(to, from)| *to = *from);
         Self {
             station: "slave".to_owned(),
             wire: VERSION,
             port: port.to_owned(),
             moves_an_arm: address.moves_an_arm(),
             scale: config.teleop.scale,
+            turn_scale: match config.teleop.turning {
+                Turning::Scaled(scale) => Some(scale),
+                Turning::Locked => None,
+            },
+            robot_from_hand: Some(rows),
             workspace_min_mm: workspace.min_m.map(mm),
             workspace_max_mm: workspace.max_m.map(mm),
             cycle_us: config.governor.cycle_us,
@@ -124,6 +138,10 @@ mod tests {
         assert!(said("{}").unwrap_err().contains("the same version"));
         let camera = documented().replace("\"slave\"", "\"camera\"");
         assert!(said(&camera).unwrap_err().contains("it says it is a camera"));
+        let older =
+            documented().lines().filter(|line| !line.contains("turn_scale") && !line.contains("_hand"));
+        let older = SlaveAnnouncement::decode(older.collect::<String>().as_bytes()).unwrap();
+        assert_eq!((older.turn_scale, older.robot_from_hand), (None, None));
         let more = documented().replacen('{', "{\"mood\": \"good\",", 1);
         assert!(said(&more).is_ok());
     }

@@ -74,6 +74,12 @@ pub const fn state_name(state: ArmState) -> &'static str {
     }
 }
 
+/// How the controller stands.
+#[must_use]
+pub fn controller(controller: ControllerState) -> String {
+    controller_words(controller).unwrap_or_else(|| "ready".to_owned())
+}
+
 /// How the controller stands, where that is not in order.
 fn controller_words(controller: ControllerState) -> Option<String> {
     Some(match controller {

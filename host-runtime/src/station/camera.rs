@@ -28,6 +28,7 @@ use tetrad_core::config::TrackerConfig;
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::{BALLS, Ball};
 use tetrad_core::vision::frame::FrameView;
+use tetrad_core::vision::search::Region;
 use tetrad_core::vision::tracker::CameraTracker;
 use tetrad_core::wire::ObservationPacket;
 use tetrad_fixtures::Scene;
@@ -37,12 +38,16 @@ pub trait CameraSink {
     /// They are made.
     fn observed(&mut self, packet: &ObservationPacket);
 
-    /// The picture they were made of, after that.
-    fn pictured(&mut self, _picture: &FrameView<'_>, _packet: &ObservationPacket) {}
+    /// The picture they were made of, after that, and where each ball was looked for first.
+    fn pictured(&mut self, _picture: &FrameView<'_>, _packet: &ObservationPacket, _windows: &Windows) {}
 }
 
-/// What is lent each picture on the camera's thread, with what was seen in it. It keeps nobody waiting.
-pub type Onlooker = Box<dyn FnMut(&FrameView<'_>, &ObservationPacket) + Send>;
+/// Where each ball was looked for first; `None` where it was searched in the whole picture.
+pub type Windows = [Option<Region>; BALLS];
+
+/// What is lent each picture on the camera's thread, with what was seen in it and where it was looked for. It
+/// keeps nobody waiting.
+pub type Onlooker = Box<dyn FnMut(&FrameView<'_>, &ObservationPacket, &Windows) + Send>;
 
 impl<F: FnMut(&ObservationPacket)> CameraSink for F {
     fn observed(&mut self, packet: &ObservationPacket) {
@@ -181,7 +186,7 @@ impl CameraStation {
             balls: report.observations,
         };
         sink.observed(&packet);
-        sink.pictured(&frame.view, &packet);
+        sink.pictured(&frame.view, &packet, &report.windows);
         let missed = if let Gap::Missed(missed) = frame.gap { missed } else { 0 };
         self.counts.add(&packet, missed);
         self.sequence = self.sequence.wrapping_add(1);
@@ -212,6 +217,7 @@ impl CameraStation {
             self.notices.append(&mut lost.take_notices());
         }
         self.counts.lost += 1;
+        tracing::warn!(camera = self.name, %error, "the camera is lost");
         self.notices.push(format!("{error}; it is lost, and opened again when it is back"));
         self.told.clear();
         self.fail()
@@ -229,6 +235,7 @@ impl CameraStation {
         }
         match (self.open)() {
             Ok(mut source) => {
+                tracing::info!(camera = self.name, "the camera is back");
                 self.notices.push(format!("{}: it is back", self.name));
                 self.notices.append(&mut source.take_notices());
                 self.source = Some(source);

@@ -15,6 +15,7 @@
 
 mod announcement;
 pub mod arm_words;
+mod asked;
 mod back_off;
 pub mod camera;
 pub mod delays;
@@ -39,6 +40,7 @@ mod trail;
 mod unattended;
 
 pub use announcement::{SlaveAnnouncement, UnreadableAnnouncement};
+pub use asked::Asked;
 pub use camera::{CameraCounts, CameraSink, CameraStation, CameraThread, Label};
 pub use following::{Closeness, Following, Truth};
 pub use linked_slave::{LinkedSlave, NoReset};

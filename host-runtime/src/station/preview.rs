@@ -3,6 +3,7 @@
 //! Drawing and encoding have a thread of their own: the camera's hands over a copy of a picture now and
 //! then, and never waits. Of pictures that wait the newest counts.
 
+use super::camera::Windows;
 use super::step_back::step_back;
 use crate::link::Picture;
 use crate::output::Canvas;
@@ -53,18 +54,19 @@ struct Job {
     stride: usize,
     format: PixelFormat,
     packet: ObservationPacket,
+    windows: Windows,
 }
 
 impl Preview {
     /// Starts the thread that draws; `send` gets at most `fps` pictures a second, with what was seen in
-    /// each.
+    /// each and where it was looked for.
     ///
     /// # Errors
     /// The system has no thread left.
     pub fn start(
         fps: f64,
         marks: Marks,
-        send: impl FnMut(Picture, &ObservationPacket) + Send + 'static,
+        send: impl FnMut(Picture, &ObservationPacket, &Windows) + Send + 'static,
     ) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
@@ -75,7 +77,7 @@ impl Preview {
     }
 
     /// Takes a copy of the picture if one is due.
-    pub fn offer(&mut self, picture: &FrameView<'_>, packet: &ObservationPacket) {
+    pub fn offer(&mut self, picture: &FrameView<'_>, packet: &ObservationPacket, windows: &Windows) {
         if packet.capture_us < self.due_us {
             return;
         }
@@ -87,7 +89,8 @@ impl Preview {
         let mut bytes = std::mem::take(&mut self.shared.lock().spare);
         bytes.clear();
         bytes.extend_from_slice(picture.data());
-        let job = Job { bytes, stride: picture.stride(), format: picture.format(), packet: *packet };
+        let (stride, format) = (picture.stride(), picture.format());
+        let job = Job { bytes, stride, format, packet: *packet, windows: *windows };
         self.shared.lock().waiting = Some(job);
         self.shared.changed.notify_one();
     }
@@ -117,7 +120,7 @@ impl Shared {
         if desk.over { None } else { desk.waiting.take() }
     }
 
-    fn work(&self, marks: Marks, mut send: impl FnMut(Picture, &ObservationPacket)) {
+    fn work(&self, marks: Marks, mut send: impl FnMut(Picture, &ObservationPacket, &Windows)) {
         step_back();
         let mut sequence = 0;
         while let Some(job) = self.take() {
@@ -125,7 +128,7 @@ impl Shared {
             // a picture that the tracker has read has a size that can be encoded
             if let Ok(jpeg) = job.drawn(marks) {
                 let picture = Picture { camera, session, sequence, capture_us, width, height, jpeg };
-                send(picture, &job.packet);
+                send(picture, &job.packet, &job.windows);
                 sequence = sequence.wrapping_add(1);
             }
             self.lock().spare = job.bytes;
@@ -186,11 +189,11 @@ mod tests {
     fn due_pictures_come_as_jpeg_with_the_balls_marked() {
         let (send, sent) = mpsc::channel();
         let mut preview =
-            Preview::start(10.0, Marks::Drawn, move |picture, _| send.send(picture).unwrap()).unwrap();
+            Preview::start(10.0, Marks::Drawn, move |picture, _, _| send.send(picture).unwrap()).unwrap();
         let bytes = vec![40; usize::from(SIDE) * usize::from(SIDE) * 3];
         let view = FrameView::packed(&bytes, SIDE, SIDE, PixelFormat::Rgb888).unwrap();
         let mut next = |capture_us, due: bool| {
-            preview.offer(&view, &packet(0, capture_us));
+            preview.offer(&view, &packet(0, capture_us), &[None; BALLS]);
             let wait = if due { Duration::from_secs(60) } else { Duration::from_millis(100) };
             sent.recv_timeout(wait).ok()
         };
@@ -213,11 +216,11 @@ mod tests {
     fn a_slow_reader_gets_the_newest() {
         let (send, sent) = mpsc::sync_channel(0);
         let mut preview =
-            Preview::start(1e3, Marks::Drawn, move |picture, _| send.send(picture).unwrap()).unwrap();
+            Preview::start(1e3, Marks::Drawn, move |picture, _, _| send.send(picture).unwrap()).unwrap();
         let bytes = vec![40; usize::from(SIDE) * usize::from(SIDE) * 3];
         let view = FrameView::packed(&bytes, SIDE, SIDE, PixelFormat::Rgb888).unwrap();
         for number in 0..200 {
-            preview.offer(&view, &packet(number, u64::from(number) * 1_000));
+            preview.offer(&view, &packet(number, u64::from(number) * 1_000), &[None; BALLS]);
         }
         let came: Vec<_> = std::iter::from_fn(|| sent.recv_timeout(Duration::from_secs(1)).ok()).collect();
         assert!(came.len() < 20, "{}", came.len());

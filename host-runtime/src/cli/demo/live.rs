@@ -25,6 +25,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let (operator, slave) = stations(args, &scene);
     let console = ConsoleSettings::demo();
     let order = Order {
+        station: None,
         operator: &operator,
         slave: &slave,
         network: None,

@@ -97,6 +97,7 @@ pub(super) fn run(args: &OperatorArgs) -> Result<(), Failure> {
     let settings = StationSettings::load(&args.config).or_exit(Exit::BadArguments)?;
     let operator = settings.operator.as_ref().ok_or_else(|| no_operator(&settings))?;
     let order = Order {
+        station: Some(&settings),
         operator,
         slave: &settings.slave,
         network: settings.network.as_ref(),
@@ -122,6 +123,8 @@ pub(super) fn longest(seconds: Option<f64>) -> Result<Option<Duration>, Failure>
 
 /// An operator's run that is asked for.
 pub(super) struct Order<'a> {
+    /// The file it is of; `None` for one that no file describes.
+    pub(super) station: Option<&'a StationSettings>,
     pub(super) operator: &'a OperatorSettings,
     pub(super) slave: &'a SlaveSettings,
     pub(super) network: Option<&'a NetworkSettings>,
@@ -205,6 +208,8 @@ impl Order<'_> {
         let eyes = pictures::EYES.map(|eye| (format!("{eye} eye"), ViewKind::Eye));
         let drives = self.hold == HoldToRun::Console;
         let desk = Desk::new(drives, hands.chain(eyes).collect(), clock.clone(), bell.clone());
+        let station = self.station.cloned();
+        desk.check_by(Box::new(move || super::check::checklist(station.as_ref())));
         let console = Console::start(settings, desk.clone()).map_err(|error| {
             let exit = match &error {
                 ConsoleError::Listen(..) => Exit::DeviceLost,

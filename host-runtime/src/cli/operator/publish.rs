@@ -4,10 +4,12 @@ use super::cameras::Cameras;
 use super::pictures::Pictures;
 use super::slave::SlaveLine;
 use crate::console::Desk;
-use crate::console::snapshot::{ArmView, DelayView, HandView, Line, LinkView, Snapshot, is_engaged};
+use crate::console::snapshot::{
+    ArmView, DelayView, GoalView, HandView, Line, LinkView, SlaveView, Snapshot, is_engaged,
+};
 use crate::link::{Link, Peer, Received};
-use crate::station::Operator;
 use crate::station::operator::OperatorStep;
+use crate::station::{Asked, Operator, SlaveAnnouncement};
 use std::collections::VecDeque;
 use tetrad_core::wire::ArmStatePacket;
 
@@ -41,6 +43,8 @@ pub(super) struct Publisher {
     hand: Option<(HandView, u64)>,
     arm: Option<Received<ArmStatePacket>>,
     followed: Followed,
+    slave: Option<SlaveView>,
+    asked: Asked,
     delays: Vec<DelayView>,
     links: Vec<LinkView>,
     lines: VecDeque<Line>,
@@ -81,6 +85,8 @@ impl Publisher {
             hand: None,
             arm: None,
             followed: Followed::default(),
+            slave: None,
+            asked: Asked::default(),
             delays: Vec::new(),
             links: Vec::new(),
             lines: VecDeque::new(),
@@ -89,12 +95,20 @@ impl Publisher {
     }
 
     pub(super) fn hand(&mut self, step: &OperatorStep) {
+        self.asked.sent(&step.motion);
         self.hand = Some((HandView::of(step, step.joined.t_us), step.joined.t_us));
     }
 
     pub(super) fn arm(&mut self, state: &Received<ArmStatePacket>) {
         self.followed.hear(&state.what);
+        self.asked.heard(&state.what);
         self.arm = Some(*state);
+    }
+
+    /// What the slave says of itself.
+    pub(super) fn announced(&mut self, slave: &SlaveAnnouncement) {
+        self.asked.announced(slave);
+        self.slave = Some(SlaveView::of(slave));
     }
 
     /// Something the operator reads.
@@ -130,6 +144,8 @@ impl Publisher {
             cameras: scene.cameras.views(scene.station.pairing(), now_us),
             arm: self.arm.as_ref().map(|state| ArmView::of(&state.what, state.received_us, now_us)),
             engaged_share: self.followed.share(),
+            slave: self.slave.clone(),
+            goal: self.asked.goal().as_ref().map(GoalView::of),
             links: self.links.clone(),
             delays: self.delays.clone(),
             pictures: scene.pictures.views(now_us),

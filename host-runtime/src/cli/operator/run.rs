@@ -190,7 +190,8 @@ impl Run {
         }
         if let Some(state) = &turn.arm {
             self.slave_heard_us = Some(state.received_us);
-            self.arm = Some(state.what);
+            let before = self.arm.replace(state.what);
+            log_arm(before.as_ref(), &state.what);
             self.parts.hold.hear(&state.what, state.received_us);
             if let Some(publisher) = &mut self.publisher {
                 publisher.arm(state);
@@ -226,6 +227,15 @@ impl Run {
             match SlaveAnnouncement::decode(&message) {
                 Ok(slave) => {
                     lines.push(format!("the slave's arm is at {}, {} cameras", slave.port, slave.cameras));
+                    tracing::info!(
+                        port = slave.port,
+                        cameras = slave.cameras,
+                        scale = slave.scale,
+                        "the slave is there"
+                    );
+                    if let Some(publisher) = &mut self.publisher {
+                        publisher.announced(&slave);
+                    }
                     self.parts.hold.announced(&slave)?;
                 }
                 Err(error) => return Err(Failure::new(Exit::BadArguments, error)),
@@ -340,5 +350,19 @@ impl Run {
         let mut lines = report::lines(station, cameras, slave, link.as_ref(), &self.pictures, self.memory);
         lines.extend(self.slave_lines.iter().map(|(label, line)| format!("{label:<15} {line}")));
         lines
+    }
+}
+
+/// Logs what became of the arm, where that is another state or another reason.
+fn log_arm(before: Option<&ArmStatePacket>, now: &ArmStatePacket) {
+    if before.is_some_and(|before| (before.state, before.reason) == (now.state, now.reason)) {
+        return;
+    }
+    let (standing, slave_time_us) = (arm_words::standing(now), now.time_us);
+    match now.state {
+        ArmState::Stopped | ArmState::Fault => tracing::warn!(slave_time_us, "arm {standing}"),
+        ArmState::Armed | ArmState::Engaged | ArmState::Hold => {
+            tracing::info!(slave_time_us, "arm {standing}")
+        }
     }
 }

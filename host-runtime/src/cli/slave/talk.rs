@@ -34,6 +34,10 @@ impl Talk {
         let standing = standing(cycle, reason);
         if standing != self.standing {
             self.standing.clone_from(&standing);
+            match cycle.step.decision.status.state() {
+                State::Stopped | State::Fault => tracing::warn!("arm {}", standing.replace("\n    ", "; ")),
+                _ => tracing::info!("arm {}", standing.replace("\n    ", "; ")),
+            }
             lines.push(standing);
         }
         lines.extend(change(cycle));

@@ -1,11 +1,16 @@
 use super::*;
 use crate::console::control::Tab;
 use crate::console::snapshot::{CameraView, Snapshot};
-use crate::console::{Token, ViewKind};
+use crate::console::{Checklist, Token, ViewKind};
 use crate::link::Doorbell;
 use crate::robot::clock::Clock;
 use axum::body::{Body, to_bytes};
 use axum::http::{Method, Request};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::sync::atomic::{AtomicU64, Ordering};
+use tetrad_core::arm::puma560::Puma560;
+use tetrad_core::config::PumaConfig;
+use tetrad_core::geometry::Pose;
 use tower::ServiceExt as _;
 
 const TOKEN: &str = "0123456789abcdef0123456789abcdef";
@@ -88,6 +93,67 @@ async fn nothing_is_named_that_is_not_there() {
             }
         }
     }
+}
+
+/// Browsers ask for it once, and then whether it has changed.
+#[tokio::test]
+async fn the_script_of_the_plots_is_kept() {
+    let of = async |tags: &[(&str, &str)]| {
+        ask(&desk(), &Access::loopback(), request(Method::GET, "/plotly.js", tags)).await
+    };
+    let whole = of(&[]).await;
+    assert_eq!(whole.headers()[header::CACHE_CONTROL], "private, max-age=604800");
+    let tag = whole.headers()[header::ETAG].to_str().unwrap().to_owned();
+    let content = to_bytes(whole.into_body(), 8 << 20).await.unwrap();
+    assert!(content.starts_with(b"/**\n* plotly.js v") && !content.ends_with(b"</script>"));
+    assert!(!content.windows(7).any(|part| part == b"MathJax=" || part == b"<script"));
+    let known = of(&[("if-none-match", &format!("\"other\", W/{tag}"))]).await;
+    assert_eq!((known.status(), text(known).await.len()), (StatusCode::NOT_MODIFIED, 0));
+    assert_eq!(of(&[("if-none-match", "\"other\"")]).await.status(), StatusCode::OK);
+    let page = ask(&desk(), &Access::loopback(), request(Method::GET, "/drive", &[])).await;
+    assert_eq!(page.headers()[header::CACHE_CONTROL], "no-store");
+    assert_eq!(get_of("/plotly.js", &[], &with_token()).await, StatusCode::UNAUTHORIZED);
+}
+
+/// A page that multiplies the table out has the arm's own kinematics.
+#[tokio::test]
+async fn the_links_are_those_of_the_arm() {
+    let told = text(ask(&desk(), &Access::loopback(), request(Method::GET, "/api/arm", &[])).await).await;
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let joints = [0.3, 0.4, -0.5, 0.6, 0.7, -0.8];
+    let mut pose = Isometry3::identity();
+    for (link, angle) in told["links"].as_array().unwrap().iter().zip(joints) {
+        let of = |key: &str| link[key].as_f64().unwrap();
+        pose *= UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        pose *= Translation3::new(of("a_m"), 0.0, of("d_m"));
+        pose *= UnitQuaternion::from_axis_angle(&Vector3::x_axis(), of("alpha_rad"));
+    }
+    // the flange is the table's last frame, without a tool
+    let config = PumaConfig { tool: Pose::identity(), ..PumaConfig::default() };
+    let wrist = Puma560::<f64>::new(&config).unwrap().forward(&joints);
+    assert!((pose.translation.vector - wrist.translation).amax() < 1e-9, "{pose} {wrist:?}");
+    assert!((pose.rotation.to_rotation_matrix().matrix() - wrist.rotation).amax() < 1e-9);
+}
+
+#[tokio::test]
+async fn the_checklist_is_asked_for_anew() {
+    let desk = desk();
+    let asked = async |desk: &Desk| {
+        let answer = ask(desk, &Access::loopback(), request(Method::GET, "/api/checklist", &[])).await;
+        serde_json::from_str::<serde_json::Value>(&text(answer).await).unwrap()
+    };
+    assert_eq!(asked(&desk).await["notes"], serde_json::json!([]), "nobody looks");
+    let times = AtomicU64::new(0);
+    desk.check_by(Box::new(move || Checklist {
+        file: Some("tetrad.toml".to_owned()),
+        notes: vec![format!("note {}", times.fetch_add(1, Ordering::Relaxed))],
+        devices: "Cameras:".to_owned(),
+    }));
+    assert_eq!(asked(&desk).await["notes"][0], "note 0");
+    let again = asked(&desk).await;
+    assert_eq!((&again["notes"][0], &again["file"]), (&"note 1".into(), &"tetrad.toml".into()));
+    assert_eq!(get_of("/api/checklist", &[], &with_token()).await, StatusCode::UNAUTHORIZED);
+    assert_eq!(get_of("/api/arm", &[], &with_token()).await, StatusCode::UNAUTHORIZED);
 }
 
 #[tokio::test]

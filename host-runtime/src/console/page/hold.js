@@ -4,6 +4,8 @@
 // hidden, the page left, the socket lost, a refusal. A press that has ended does not come back: the key has
 // to be let go and pressed anew. Keys that repeat press nothing.
 
+import { isTyping } from "./page.js";
+
 const TELL_MS = 30;
 
 export class Hold extends EventTarget {
@@ -65,7 +67,7 @@ export class Hold extends EventTarget {
   }
 
   #key(event, down) {
-    if (event.code !== "Space" || event.target.closest("input, textarea, select")) return;
+    if (event.code !== "Space" || isTyping(event)) return;
     // nor does it press a button that has the focus, or scroll
     event.preventDefault();
     if (!down) this.end();

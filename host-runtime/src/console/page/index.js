@@ -1,28 +1,57 @@
-// Overview: what is ready, in words.
+// Overview: what is ready and what is not, in words.
 
 import { Live } from "./live.js";
-import { find, items, lines, ms, watchLink } from "./page.js";
+import { find, items, lines, ms, watchLink, write } from "./page.js";
 import { stopWith } from "./stop.js";
 
 const live = new Live();
 stopWith(live, find("stop"));
 watchLink(live, find("link"));
 
+// What is older is not heard any more.
+const OLD_US = 1e6;
+
+const mark = (good) => (good ? "\u2713" : "\u2717");
+
 live.addEventListener("live", ({ detail: { control, snapshot } }) => {
-  const mark = (good) => (good ? "\u2713" : "\u2717");
   const checks = snapshot.cameras.map((camera) => {
     const seen = camera.balls.filter((ball) => ball.state === "visible" || ball.state === "occluded").length;
-    return `${mark(seen === 4)} ${camera.name}: ${seen} of 4 balls, heard ${ms(camera.age_us)} ago`;
+    const heard = camera.age_us !== null && camera.age_us < OLD_US;
+    return `${mark(seen === 4 && heard)} ${camera.name}: ${seen} of 4 balls, heard ${ms(camera.age_us)} ago`;
   });
   const hand = snapshot.hand;
   checks.push(`${mark(hand?.position_mm)} hand: ${hand ? hand.state : "not seen yet"}`);
+  for (const link of snapshot.links) {
+    checks.push(`${mark(link.connected)} ${link.name}: ${link.connected ? `heard ${ms(link.age_us)} ago` : "AWAY"}`);
+  }
   const arm = snapshot.arm;
   checks.push(`${mark(arm && arm.state !== "fault")} arm: ${arm ? arm.standing : "not heard yet"}`);
+  if (arm) checks.push(`${mark(arm.controller === "ready")} controller: ${arm.controller}`);
+  const { slave } = snapshot;
+  if (slave) checks.push(`${mark(true)} at the slave: ${slave.port}${slave.moves_an_arm ? ", AN ARM THAT MOVES" : ", nothing that moves"}`);
   checks.push(
     control.drives
-      ? `${mark(!control.stopped)} buttons: here; ${control.holder ?? "nobody"} is in control`
+      ? `${mark(!control.stopped)} buttons: here; ${control.holder ?? "nobody"} is in control${control.stopped ? "; stopped: reset on the drive page" : ""}`
       : `${mark(true)} buttons: not in the console; STOP works from here`,
   );
   items(find("list"), checks);
   lines(find("lines"), snapshot.lines);
 });
+
+// What `tetrad check` notes of the file and this computer, and what is plugged in.
+async function look() {
+  find("again").disabled = true;
+  try {
+    const answer = await fetch("/api/checklist");
+    const { file, notes, devices } = await answer.json();
+    const fine = file ? `${mark(true)} nothing to note: what ${file} names is there` : `${mark(true)} nothing is needed: cameras and arm are simulated`;
+    items(find("notes"), notes.length ? notes.map((note) => `${mark(false)} ${note}`) : [fine]);
+    write(find("devices"), devices);
+  } catch {
+    items(find("notes"), [`${mark(false)} the console did not answer: look again`]);
+  } finally {
+    find("again").disabled = false;
+  }
+}
+find("again").addEventListener("click", look);
+look();

@@ -13,6 +13,10 @@ export function ms(us) {
   return us === null || us === undefined ? "never" : us < 1e6 ? `${(us / 1000).toFixed(0)} ms` : `${(us / 1e6).toFixed(1)} s`;
 }
 
+// Whether keys are letters for what has the focus; elsewhere they are buttons.
+export const isTyping = (event) =>
+  event.target.closest("textarea, select, input:not([type=radio], [type=checkbox], [type=range])") !== null;
+
 // Rows of a table's body; each a list of texts.
 export function rows(body, table) {
   while (body.rows.length > table.length) body.deleteRow(-1);

@@ -1,4 +1,7 @@
-// STOP: for everybody, always. Over the socket, and by a request of its own in case the socket is stuck.
+// STOP: for everybody, always. Over the socket, and by a request of its own in case the socket is stuck. Gives
+// what the button does, for pages with other ways to ask for it.
+
+import { isTyping } from "./page.js";
 
 export function stopWith(live, button) {
   const stop = () => {
@@ -12,10 +15,10 @@ export function stopWith(live, button) {
   button.addEventListener("pointerdown", stop);
   button.addEventListener("click", stop);
   addEventListener("keydown", (event) => {
-    const typing = event.target.closest("input, textarea, select");
-    if (event.key === "Escape" || (event.key.toLowerCase() === "s" && !typing && !event.ctrlKey)) {
+    if (event.key === "Escape" || (event.key.toLowerCase() === "s" && !isTyping(event) && !event.ctrlKey)) {
       event.preventDefault();
       stop();
     }
   });
+  return stop;
 }

@@ -1,13 +1,10 @@
-// The socket /pictures: each view's newest picture on a canvas, with what was seen in it marked.
-//
-// The next picture of a view is asked for when the last one is drawn, so that a slow page gets fewer, never
-// older ones. A picture that is old is dimmed and says how old it is.
+// Views on canvases: each view's newest picture, with what was seen in it marked. One that is old is dimmed
+// and says how old it is.
 
-const STALE_MS = 500;
-const RETRY_MS = 1000;
+import { ageWords, Pictures } from "./pictures.js";
+import { write } from "./page.js";
 
 export class Views {
-  #socket = null;
   #views = new Map();
 
   // `places`: view number -> figure with a canvas and a caption.
@@ -17,63 +14,43 @@ export class Views {
       const stamp = figure.querySelector(".stamp");
       this.#views.set(view, { figure, canvas, stamp, takenMs: null });
     }
-    document.addEventListener("visibilitychange", () => this.#attend());
-    setInterval(() => this.#stamp(), 100);
-    this.#attend();
-  }
-
-  // Nobody looks at a hidden tab.
-  #attend() {
-    if (document.hidden) {
-      this.#socket?.close();
-      this.#socket = null;
-    } else if (!this.#socket) {
-      const scheme = location.protocol === "https:" ? "wss" : "ws";
-      const views = [...this.#views.keys()].join(",");
-      const socket = new WebSocket(`${scheme}://${location.host}/pictures?views=${views}`);
-      socket.binaryType = "arraybuffer";
-      socket.onmessage = (event) => this.#show(socket, event.data);
-      socket.onclose = () => {
-        if (this.#socket !== socket) return;
-        this.#socket = null;
-        setTimeout(() => this.#attend(), RETRY_MS);
-      };
-      this.#socket = socket;
-    }
-  }
-
-  async #show(socket, message) {
-    const length = new DataView(message).getUint32(0, true);
-    const header = JSON.parse(new TextDecoder().decode(new Uint8Array(message, 4, length)));
-    const takenMs = performance.now() - header.age_us / 1000;
-    try {
-      const picture = await createImageBitmap(new Blob([new Uint8Array(message, 4 + length)], { type: "image/jpeg" }));
-      const view = this.#views.get(header.view);
+    new Pictures([...this.#views.keys()], (number, picture, header, takenMs) => {
+      const view = this.#views.get(number);
       draw(view.canvas, picture, header.balls);
       view.takenMs = takenMs;
-      picture.close();
-    } finally {
-      if (socket.readyState === WebSocket.OPEN) {
-        socket.send(JSON.stringify({ type: "shown", view: header.view }));
-      }
-    }
+    });
+    setInterval(() => this.#stamp(), 100);
   }
 
   #stamp() {
-    const now = performance.now();
     for (const { figure, stamp, takenMs } of this.#views.values()) {
-      const age = takenMs === null ? null : now - takenMs;
-      const stale = age === null || age > STALE_MS;
+      const { stale, text } = ageWords(takenMs);
       figure.classList.toggle("stale", stale);
-      stamp.textContent =
-        age === null ? "no picture yet" : stale ? `STALE: ${(age / 1000).toFixed(1)} s old` : `${age.toFixed(0)} ms`;
+      write(stamp, text);
     }
   }
 }
 
+// A figure for a view, with a canvas and a caption that its age is written into.
+export function figureOf(name) {
+  const figure = document.createElement("figure");
+  const canvas = document.createElement("canvas");
+  canvas.width = 640;
+  canvas.height = 480;
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", name);
+  const caption = document.createElement("figcaption");
+  const stamp = document.createElement("span");
+  stamp.className = "stamp";
+  caption.append(`${name} `, stamp);
+  figure.append(canvas, caption);
+  return figure;
+}
+
 const LETTERS = { red: "R", green: "G", blue: "B", yellow: "Y" };
 // Lines tell how a ball is known; colours do not.
-const DASHES = { visible: [], occluded: [10, 5], predicted: [2, 5] };
+const DASHES = { visible: [], occluded: [8, 4], predicted: [2, 4] };
+const WINDOW_DASH = [1, 3];
 
 function draw(canvas, picture, balls) {
   if (canvas.width !== picture.width || canvas.height !== picture.height) {
@@ -82,30 +59,52 @@ function draw(canvas, picture, balls) {
   }
   const pen = canvas.getContext("2d");
   pen.drawImage(picture, 0, 0);
-  pen.font = "bold 18px system-ui, sans-serif";
+  // marks are as large on the screen whatever the picture's size is there
+  const px = canvas.width / (canvas.clientWidth || canvas.width);
+  const lost = balls.filter((ball) => ball.state === "lost");
   for (const ball of balls) {
+    if (ball.window) {
+      const [x0, y0, x1, y1] = ball.window;
+      stroke(pen, px, 1, WINDOW_DASH, () => pen.rect(x0 - 0.5, y0 - 0.5, x1 - x0, y1 - y0));
+    }
     if (!ball.centre) continue;
     const [u, v] = ball.centre;
     const radius = ball.diameter / 2;
-    // twice, so that it shows on any background
-    for (const [width, colour] of [[4, "#000"], [2, "#fff"]]) {
-      pen.lineWidth = width;
-      pen.strokeStyle = colour;
-      pen.setLineDash(DASHES[ball.state] ?? []);
-      pen.beginPath();
-      pen.arc(u, v, radius, 0, 2 * Math.PI);
-      pen.moveTo(u - 4, v);
-      pen.lineTo(u + 4, v);
-      pen.moveTo(u, v - 4);
-      pen.lineTo(u, v + 4);
-      pen.stroke();
-    }
-    pen.setLineDash([]);
-    pen.lineWidth = 4;
-    pen.strokeStyle = "#000";
-    pen.fillStyle = "#fff";
-    const place = [u + radius + 4, v - radius];
-    pen.strokeText(LETTERS[ball.name], ...place);
-    pen.fillText(LETTERS[ball.name], ...place);
+    stroke(pen, px, 1.5, DASHES[ball.state] ?? [], () => pen.arc(u, v, radius, 0, 2 * Math.PI));
+    stroke(pen, px, 1.5, [], () => {
+      const arm = 3 * px;
+      pen.moveTo(u - arm, v);
+      pen.lineTo(u + arm, v);
+      pen.moveTo(u, v - arm);
+      pen.lineTo(u, v + arm);
+    });
+    const beside = { visible: "", occluded: ` ${(ball.visible * 100).toFixed(0)} %`, predicted: " predicted" };
+    label(pen, px, LETTERS[ball.name] + (beside[ball.state] ?? ""), u + radius + 3 * px, v - radius);
   }
+  if (lost.length) label(pen, px, `lost: ${lost.map((ball) => ball.name).join(", ")}`, 6 * px, canvas.height - 8 * px);
+}
+
+// A line twice, dark under light, so that it shows on any background.
+function stroke(pen, px, width, dash, path) {
+  for (const [extra, colour] of [[1.5, "#000"], [0, "#fff"]]) {
+    pen.lineWidth = (width + extra) * px;
+    pen.strokeStyle = colour;
+    pen.setLineDash(dash.map((length) => length * px));
+    pen.beginPath();
+    path();
+    pen.stroke();
+  }
+  pen.setLineDash([]);
+}
+
+function label(pen, px, text, x, y) {
+  pen.font = `bold ${14 * px}px system-ui, "DejaVu Sans", sans-serif`;
+  const at = Math.min(x, pen.canvas.width - pen.measureText(text).width - 4 * px);
+  pen.lineWidth = 3 * px;
+  pen.lineJoin = "round";
+  pen.strokeStyle = "#000";
+  pen.fillStyle = "#fff";
+  const line = Math.max(y, 15 * px);
+  pen.strokeText(text, at, line);
+  pen.fillText(text, at, line);
 }

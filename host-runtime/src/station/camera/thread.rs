@@ -1,6 +1,6 @@
 //! A camera of this computer on a thread of its own, for an operator in the same process.
 
-use super::{CameraCounts, CameraSink, CameraStation, Onlooker, Step};
+use super::{CameraCounts, CameraSink, CameraStation, Onlooker, Step, Windows};
 use crate::exit::Failure;
 use crate::link::Received;
 use crate::station::newest::Newest;
@@ -98,9 +98,9 @@ impl CameraSink for Place<'_> {
         (self.ring)();
     }
 
-    fn pictured(&mut self, picture: &FrameView<'_>, packet: &ObservationPacket) {
+    fn pictured(&mut self, picture: &FrameView<'_>, packet: &ObservationPacket, windows: &Windows) {
         if let Some(onlooker) = &mut self.onlooker {
-            onlooker(picture, packet);
+            onlooker(picture, packet, windows);
         }
     }
 }

@@ -119,6 +119,7 @@ fn a_page_moves_the_arm_and_its_silence_or_its_end_stops_it() {
         slave.arm.port = Some("sim:?watchdog_ms=5000".parse().unwrap());
         let console = ConsoleSettings { listen: "127.0.0.1:0".parse().unwrap(), ..ConsoleSettings::demo() };
         let order = Order {
+            station: None,
             operator: &operator,
             slave: &slave,
             network: None,

@@ -1,0 +1,129 @@
+// The slave's view: what the arm's two cameras see, for two eyes, with STOP and hold-to-run at hand.
+
+import { Controls } from "./controls.js";
+import { Live } from "./live.js";
+import { find, isTyping, watchLink, write } from "./page.js";
+import { ageWords, Pictures } from "./pictures.js";
+import { MODES, size, Stereo } from "./stereo.js";
+import { stopWith } from "./stop.js";
+
+const SHIFT_STEP = 0.5;
+
+const live = new Live();
+const stop = stopWith(live, find("stop"));
+watchLink(live, find("link"));
+const controls = new Controls(live);
+const canvas = find("stage");
+const stereo = new Stereo(canvas);
+// when each eye's newest picture was taken, by this page's clock
+const takenMs = [null, null];
+let pictures = null;
+
+live.addEventListener("hello", ({ detail }) => {
+  if (pictures) return;
+  const eyes = detail.views.flatMap(({ kind }, view) => (kind === "eye" ? [view] : []));
+  pictures = new Pictures(eyes, (view, picture, _header, taken) => {
+    const eye = eyes.indexOf(view);
+    stereo.keep(eye, picture);
+    takenMs[eye] = taken;
+    if (!stereo.isAlternating) redraw();
+  });
+});
+live.addEventListener("live", () => {
+  const { control, snapshot } = live.newest;
+  controls.show(control);
+  const { arm } = snapshot;
+  document.body.classList.toggle("engaged", arm?.state === "engaged");
+  write(find("standing"), arm ? [arm.standing, ...arm.limits].join("; ") : "not heard yet");
+});
+
+// What is shown is as old as the older eye's picture.
+setInterval(() => {
+  const known = takenMs.filter((taken) => taken !== null);
+  const { stale, text } = ageWords(known.length ? Math.min(...known) : null);
+  document.body.classList.toggle("stale", stale);
+  write(find("stamp"), text);
+}, 100);
+
+let due = false;
+function redraw() {
+  if (due) return;
+  due = true;
+  requestAnimationFrame(() => {
+    due = false;
+    stereo.draw();
+    // one eye after the other, for as long as that is wanted
+    if (stereo.isAlternating && !document.hidden) redraw();
+  });
+}
+document.addEventListener("visibilitychange", redraw);
+
+new ResizeObserver(([{ contentRect, devicePixelContentBoxSize: exact }]) => {
+  const by = devicePixelRatio;
+  const [width, height] = exact
+    ? [exact[0].inlineSize, exact[0].blockSize]
+    : [contentRect.width, contentRect.height].map((pixels) => Math.round(pixels * by));
+  size(canvas, Math.max(1, width), Math.max(1, height));
+  redraw();
+}).observe(canvas);
+
+// The ways of looking.
+const radios = [...document.querySelectorAll("input[name=mode]")];
+function choose(mode) {
+  stereo.mode = mode;
+  radios.find((radio) => radio.value === mode).checked = true;
+  write(find("mode-words"), MODES[mode].words);
+  redraw();
+}
+for (const radio of radios) radio.addEventListener("change", () => choose(radio.value));
+choose("beside");
+find("swap").addEventListener("change", ({ target }) => {
+  stereo.swapped = target.checked;
+  redraw();
+});
+function shift(percent) {
+  find("shift").value = percent;
+  const now = find("shift").valueAsNumber;
+  stereo.shift = now / 100;
+  write(find("shift-words"), `${now} %`);
+  redraw();
+}
+find("shift").addEventListener("input", ({ target }) => shift(target.value));
+
+const keys = {
+  1: () => choose("beside"),
+  2: () => choose("anaglyph"),
+  3: () => choose("rows"),
+  4: () => choose("flip"),
+  x: () => find("swap").click(),
+  f: () => find("full").click(),
+  arrowleft: () => shift(find("shift").valueAsNumber - SHIFT_STEP),
+  arrowright: () => shift(find("shift").valueAsNumber + SHIFT_STEP),
+};
+addEventListener("keydown", (event) => {
+  const arrow = event.key.startsWith("Arrow");
+  // arrows are a radio button's and a slider's own
+  if (event.ctrlKey || event.altKey || event.metaKey || isTyping(event) || (arrow && event.target.closest("input"))) return;
+  if (event.repeat && !arrow) return;
+  keys[event.key.toLowerCase()]?.();
+});
+
+// Full screen. The browser keeps Esc for leaving it and tells the page of no key: so whoever leaves it in another
+// way than by the page's own button has pressed Esc, and means STOP.
+let leaving = false;
+find("full").addEventListener("click", () => {
+  if (document.fullscreenElement) {
+    leaving = true;
+    document.exitFullscreen().catch(() => {
+      leaving = false;
+    });
+  } else {
+    document.documentElement.requestFullscreen().catch(() => write(find("mode-words"), "The browser allows no full screen here."));
+  }
+});
+document.addEventListener("fullscreenchange", () => {
+  const full = document.fullscreenElement !== null;
+  document.body.classList.toggle("full", full);
+  if (!full && !leaving) stop();
+  leaving = false;
+});
