@@ -10,6 +10,7 @@ mod interrupt;
 mod keyboard;
 mod keys;
 mod learn;
+mod logs;
 mod memory;
 mod notes;
 mod operator;
@@ -42,6 +43,10 @@ Exit codes: 0 done, 1 failed, 2 bad arguments or configuration, 3 device or link
 #[derive(Debug, Parser)]
 #[command(name = "tetrad", version, after_help = AFTER_HELP, max_term_width = 100)]
 pub struct Cli {
+    /// Log what happens on standard error: error, warn, info, debug, trace or off, or TARGET=LEVEL,...
+    /// [default: what RUST_LOG says, else off]
+    #[arg(long, global = true, value_name = "LEVEL")]
+    log: Option<String>,
     #[command(subcommand)]
     command: Command,
 }
@@ -88,6 +93,7 @@ enum Command {
 /// # Errors
 /// [`Failure`] with the exit code and the message to print.
 pub fn run(cli: Cli) -> Result<(), Failure> {
+    logs::start(cli.log.as_deref())?;
     let done = match cli.command {
         Command::Arm(args) => arm::run(&args),
         Command::Camera(args) => camera::run(&args),
