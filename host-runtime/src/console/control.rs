@@ -157,12 +157,12 @@ impl Control {
         {
             holder.end_press();
         }
+        if stop {
+            holder.ended = holder.ended.max(number);
+            return Err(Refusal::Stopped);
+        }
         if !holder.let_go || number <= holder.ended {
             return Err(Refusal::Ended);
-        }
-        if stop {
-            holder.ended = number;
-            return Err(Refusal::Stopped);
         }
         // what the page says it has heard later than now it has not heard from us
         if shown_us > now_us || now_us - shown_us > HEARD_US {

@@ -13,6 +13,7 @@ mod observations;
 mod picture;
 mod recorder;
 mod scan;
+mod sent;
 mod summary;
 mod truth;
 
@@ -26,5 +27,6 @@ pub use observations::{ObservationsCsv, UncertaintyCsv};
 pub use picture::Canvas;
 pub use recorder::{RecordedCamera, Recorder, Stamp};
 pub use scan::ScanCsv;
+pub use sent::SentCsv;
 pub use summary::{CameraSummary, Spread, StateCounts, Summary};
 pub use truth::TruthCsv;

@@ -70,6 +70,8 @@ pub struct OperatorStep {
     pub hand: HandStep,
     /// What the slave was told.
     pub motion: MotionPacket,
+    /// When it passed the stages; `None` where it could not be sent.
+    pub sent: Option<SentMotion>,
 }
 
 /// What came of one turn of the loop.
@@ -152,19 +154,24 @@ impl Operator {
             let posed_us = clock.now_us();
             let seen = joined.views.iter().map(|view| &view.balls);
             let motion = self.sender.packet_of(&hand, seen, joined.t_us, buttons.pressed);
+            let mut sent = None;
             match slave.send(&motion.into()) {
-                Ok(()) => self.delays.sent(&SentMotion {
-                    sequence: motion.sequence,
-                    capture_us: joined.t_us,
-                    ready_us: joined.ready_us,
-                    first_us: joined.first_us,
-                    joined_us: joined.last_us,
-                    posed_us,
-                    sent_us: clock.now_us(),
-                }),
+                Ok(()) => {
+                    let motion = SentMotion {
+                        sequence: motion.sequence,
+                        capture_us: joined.t_us,
+                        ready_us: joined.ready_us,
+                        first_us: joined.first_us,
+                        joined_us: joined.last_us,
+                        posed_us,
+                        sent_us: clock.now_us(),
+                    };
+                    self.delays.sent(&motion);
+                    sent = Some(motion);
+                }
                 Err(error) => turn.unsent = Some(error),
             }
-            turn.step = Some(OperatorStep { joined, hand, motion });
+            turn.step = Some(OperatorStep { joined, hand, motion, sent });
         }
         turn.arm = slave.arm_state();
         if let Some(state) = &turn.arm {

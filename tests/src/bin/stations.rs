@@ -11,7 +11,7 @@ Logs and results: target/stations/RUN/
 
 Usage: cargo stations [--seconds N] [--program FILE] [RUN...] | --list
 
-  RUN             plain (the default), strangers, flood, deaths, or all
+  RUN             plain (the default), strangers, flood, page, deaths, or all
   --seconds N     how long the arm is driven in `plain` [default: 60]
   --program FILE  the `tetrad` to run [default: built here, release]
 

@@ -46,6 +46,12 @@ impl Cell {
         Ok(cell)
     }
 
+    /// Writes the file of another station.
+    pub(super) fn write(&self, name: &str, text: &str) -> Result<(), String> {
+        let file = self.file(name);
+        fs::write(&file, text).map_err(|error| format!("{}: {error}", file.display()))
+    }
+
     /// Where results of that name go.
     #[must_use]
     pub fn out(&self, name: &str) -> PathBuf {

@@ -10,10 +10,12 @@
 //! | datagrams that nobody asked for | `garbage` |
 //! | what the arm did, how long stages took, whether stations grow | `arm_record`, `delays`, `memory` |
 //! | when the operator had pictures | `pictures` |
+//! | a page of the console, looked at | `browser` |
 //!
 //! Like `verify` it knows `tetrad` as a program alone, and needs nothing but the standard library.
 
 mod arm_record;
+mod browser;
 mod cell;
 mod crew;
 mod delays;

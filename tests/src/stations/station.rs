@@ -1,5 +1,6 @@
 //! One station's process.
 
+use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -10,6 +11,9 @@ const POLL: Duration = Duration::from_millis(20);
 
 /// How long a station may take to end when it is told to: an arm has to come to rest.
 const LEAVE: Duration = Duration::from_secs(10);
+
+/// Linux tells times of processes in hundredths of a second, whatever its own clock (USER_HZ).
+const TICK_S: f64 = 0.01;
 
 /// A station that runs. Dropped, it is killed: none outlives a run that failed.
 #[derive(Debug)]
@@ -55,6 +59,21 @@ impl Station {
         let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
         line.split_whitespace().next()?.parse().ok()
+    }
+
+    /// What its threads have taken of the processors, seconds, summed by their names; empty where that cannot be
+    /// known. Threads that have ended are left out.
+    #[must_use]
+    pub fn taken_s(&self) -> BTreeMap<String, f64> {
+        let mut taken = BTreeMap::new();
+        let Ok(threads) = fs::read_dir(format!("/proc/{}/task", self.child.id())) else { return taken };
+        for thread in threads.flatten() {
+            let stat = fs::read_to_string(thread.path().join("stat")).unwrap_or_default();
+            if let Some((name, seconds)) = taken_by(&stat) {
+                *taken.entry(name).or_default() += seconds;
+            }
+        }
+        taken
     }
 
     /// Whether it is still at work.
@@ -134,5 +153,27 @@ impl Drop for Station {
         // one that ended is no longer there to be killed
         let _ = self.child.kill();
         let _ = self.child.wait();
+    }
+}
+
+/// A thread's name and what it has taken, from its line in /proc (proc(5): fields 14 and 15).
+fn taken_by(stat: &str) -> Option<(String, f64)> {
+    // the name stands in brackets and may have any
+    let (before, after) = stat.rsplit_once(')')?;
+    let name = before.split_once('(')?.1.to_owned();
+    let ticks: Vec<f64> =
+        after.split_whitespace().skip(11).take(2).map_while(|field| field.parse().ok()).collect();
+    (ticks.len() == 2).then(|| (name, ticks.iter().sum::<f64>() * TICK_S))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_threads_name_and_time_are_read() {
+        let stat = "71 (a (b) c) S 1 71 71 0 -1 4194304 100 0 0 0 150 25 0 0 20 0 3 0 900";
+        assert_eq!(taken_by(stat), Some(("a (b) c".to_owned(), 1.75)));
+        assert_eq!(taken_by("71 (x) S 1"), None);
     }
 }

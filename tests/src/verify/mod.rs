@@ -60,6 +60,12 @@ pub const CHECKS: &[Check] = &[
         run: suite::workspace,
     },
     Check {
+        name: "console",
+        protects: "the console in a real browser: a page moves the arm, whatever goes wrong there stops it",
+        quick: false,
+        run: suite::console,
+    },
+    Check {
         name: "golden-release",
         protects: "a release build gives the bits of a debug build",
         quick: false,

@@ -1,6 +1,6 @@
 //! The cargo tests, each counted.
 
-use super::{Context, Outcome, count};
+use super::{Context, Outcome, count, packages};
 use std::fs;
 use std::time::Duration;
 
@@ -30,6 +30,25 @@ pub(super) fn arm_sequences(context: &Context) -> Outcome {
         return Outcome::fail("no test of the arm ran: core/src/arm is not where it was");
     }
     outcome
+}
+
+/// The console in a real browser, and what was measured there.
+pub(super) fn console(context: &Context) -> Outcome {
+    if let Err(missing) = packages::debian(context, &["chromium", "chromium-driver"]) {
+        return Outcome::skip(&context.check, missing);
+    }
+    let arguments = ["test", "--locked", "--package", "tetrad", "--test", "console", "--", "--nocapture"];
+    let outcome = cargo_test(context, &arguments);
+    if outcome.passed == 0 && outcome.failed == 0 {
+        return Outcome::fail("no test of the console ran: host-runtime/tests/console is not where it was");
+    }
+    if outcome.failed > 0 {
+        return outcome;
+    }
+    let log = fs::read_to_string(context.log_path(&context.check)).unwrap_or_default();
+    let figures: Vec<&str> =
+        log.lines().filter_map(|line| line.split_once("measured: ")).map(|(_, figure)| figure).collect();
+    outcome.showing(figures.join("\n"))
 }
 
 fn cargo_test(context: &Context, arguments: &[&str]) -> Outcome {

@@ -58,8 +58,9 @@ On the terminal: r resets (after the start, a stop or a fault), the space bar mo
 held, any other key stops it at once, q ends the program.
 
 With --out, DIR gets pose.csv and filtered.csv (the hand), arm_state.csv (what the slave says),
-delays.csv, arm.csv where the arm is here, and the newest pictures of the slave's cameras, left.jpg and right.jpg, with pictures.csv,
-which says how old they are and whether they are stale. docs/stations.md lists the keys of tetrad.toml.";
+sent.csv (when each motion passed the stages here), delays.csv, arm.csv where the arm is here, and the newest
+pictures of the slave's cameras, left.jpg and right.jpg, with pictures.csv, which says how old they are and
+whether they are stale. docs/stations.md lists the keys of tetrad.toml.";
 
 /// Who holds the button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

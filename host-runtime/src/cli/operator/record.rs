@@ -2,9 +2,9 @@
 //! of their own: the motion does not wait for a disk.
 
 use crate::link::Received;
-use crate::output::{ArmStateCsv, Aside, OutputError, PoseCsv, write_delays};
+use crate::output::{ArmStateCsv, Aside, OutputError, PoseCsv, SentCsv, write_delays};
 use crate::pipeline::HandStep;
-use crate::station::delays::Delays;
+use crate::station::delays::{Delays, SentMotion};
 use crate::station::operator::OperatorStep;
 use std::path::{Path, PathBuf};
 use tetrad_core::wire::ArmStatePacket;
@@ -23,6 +23,7 @@ pub(super) struct Record {
 enum Row {
     /// The instant's number, and its time by the operator's clock, seconds.
     Hand((u64, f64), HandStep),
+    Sent(SentMotion),
     Arm(Received<ArmStatePacket>),
 }
 
@@ -30,12 +31,14 @@ impl Record {
     pub(super) fn create(dir: &Path) -> Result<Self, OutputError> {
         let mut pose = PoseCsv::create(dir)?;
         let mut filtered = PoseCsv::create_filtered(dir)?;
+        let mut sent = SentCsv::create(dir)?;
         let mut arm = ArmStateCsv::create(dir)?;
         let rows = Aside::start(WAITING, move |row: &Row| match row {
             Row::Hand(at, HandStep { report, filtered: smoothed, .. }) => {
                 pose.write(*at, report.pose.as_ref(), report.state)?;
                 filtered.write(*at, smoothed.as_ref(), report.state)
             }
+            Row::Sent(motion) => sent.write(motion),
             Row::Arm(state) => arm.write(state),
         })
         .map_err(|cause| OutputError { path: dir.to_owned(), cause })?;
@@ -46,7 +49,8 @@ impl Record {
     pub(super) fn step(&mut self, step: &OperatorStep) -> Result<(), OutputError> {
         let at = (self.frame, step.joined.t_us as f64 * 1e-6);
         self.frame += 1;
-        self.rows.put(Row::Hand(at, step.hand))
+        self.rows.put(Row::Hand(at, step.hand))?;
+        step.sent.map_or(Ok(()), |motion| self.rows.put(Row::Sent(motion)))
     }
 
     pub(super) fn arm(&mut self, state: &Received<ArmStatePacket>) -> Result<(), OutputError> {

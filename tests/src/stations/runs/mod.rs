@@ -2,6 +2,7 @@
 
 mod deaths;
 mod flood;
+mod page;
 mod plain;
 mod strangers;
 
@@ -37,6 +38,11 @@ pub const RUNS: &[Run] = &[
         run: strangers::run,
     },
     Run { name: "flood", shows: "garbage on the slave's port does not delay motion", run: flood::run },
+    Run {
+        name: "page",
+        shows: "what the drive page costs with two cameras, and that it does not delay motion",
+        run: page::run,
+    },
     Run {
         name: "deaths",
         shows: "operator and camera are killed or silent and come back: the arm stops, then follows",

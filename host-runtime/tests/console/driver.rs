@@ -1,0 +1,77 @@
+//! Somebody at the drive page: what is seen and pressed to move the arm.
+
+use super::browser::{Browser, LONG, SPACE};
+use super::witness::{Witness, is_moving};
+use std::time::{Duration, Instant};
+
+/// A press or a reset that came to nothing on a busy computer is made again.
+const AGAIN: Duration = Duration::from_secs(4);
+
+/// Opens the drive page and takes control by its key.
+pub(crate) fn take_control(browser: &Browser, url: &str) {
+    browser.go(url);
+    take(browser);
+}
+
+/// Takes control where the page is open.
+pub(crate) fn take(browser: &Browser) {
+    browser.until("!document.getElementById('take').disabled");
+    browser.tap("t");
+    browser.until("!document.getElementById('give').disabled");
+}
+
+/// Resets and holds the space bar until the arm moves; it stays down.
+#[track_caller]
+pub(crate) fn hold(browser: &Browser, witness: &Witness) {
+    let began = Instant::now();
+    loop {
+        reset(browser, witness);
+        browser.key_down(SPACE);
+        if witness.sees_motion(AGAIN) {
+            return;
+        }
+        browser.key_up(SPACE);
+        assert!(began.elapsed() < LONG, "the arm does not move:\n{}", browser.text("body"));
+    }
+}
+
+/// Resets until the arm waits for a press.
+#[track_caller]
+pub(crate) fn reset(browser: &Browser, witness: &Witness) {
+    let began = Instant::now();
+    loop {
+        browser.tap("r");
+        let is_ready = |live: &serde_json::Value| {
+            live["snapshot"]["arm"]["state"] == "armed" && live["control"]["stopped"] == false
+        };
+        if witness.within(AGAIN, is_ready).is_ok() {
+            return;
+        }
+        assert!(began.elapsed() < LONG, "the arm is not ready:\n{}", browser.text("body"));
+    }
+}
+
+/// The arm does not follow any more.
+#[track_caller]
+pub(crate) fn sees_stop(witness: &Witness) {
+    witness.until("the stop", |live| !is_moving(live));
+}
+
+/// Has the page write down when an event comes first, before anything else hears of it.
+pub(crate) fn note(browser: &Browser, target: &str, event: &str) {
+    browser.script(&format!(
+        "sessionStorage.removeItem('noted');
+         {target}.addEventListener('{event}', () => {{
+           const at = performance.timeOrigin + performance.now();
+           if (!sessionStorage.getItem('noted')) sessionStorage.setItem('noted', at);
+         }}, {{ capture: true, once: true }});"
+    ));
+}
+
+/// When it came, by the operator's clock.
+#[track_caller]
+pub(crate) fn noted_us(browser: &Browser, witness: &Witness) -> u64 {
+    browser.until("sessionStorage.getItem('noted')");
+    let told = browser.script("return Number(sessionStorage.getItem('noted'))");
+    witness.at_us((told.as_f64().expect("milliseconds") * 1e3) as i64)
+}

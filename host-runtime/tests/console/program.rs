@@ -1,0 +1,177 @@
+//! `tetrad` as a process with its console, and what its arm did.
+
+use super::browser::LONG;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// The arm begins its stop so long after the button is not held any more, microseconds.
+pub(crate) const STOP_US: u64 = 100_000;
+
+/// How often something is looked at that is waited for.
+const POLL: Duration = Duration::from_millis(20);
+
+/// One operator with both cameras of the scene and the arm at the same computer, as `tetrad demo` has it. The
+/// watchdog of the simulated controller is not what is tried: a busy computer is not to set it off.
+const STATION: &str = "\
+[operator]
+arm_mm = 80
+slave = \"here\"
+[[operator.camera]]
+source = \"sim:demo\"
+view = \"left\"
+[[operator.camera]]
+source = \"sim:demo\"
+view = \"right\"
+[slave]
+port = \"sim:?watchdog_ms=5000\"
+[[slave.camera]]
+source = \"sim:arm\"
+fps = 15
+[[slave.camera]]
+source = \"sim:arm\"
+view = \"right\"
+fps = 15
+[console]
+listen = \"127.0.0.1:0\"
+";
+
+/// A program with a console. Dropped, it is killed.
+pub(crate) struct Program {
+    process: Child,
+    address: SocketAddr,
+    dir: tempfile::TempDir,
+}
+
+impl Program {
+    /// `tetrad demo`.
+    pub(crate) fn demo() -> Self {
+        Self::start(tempfile::tempdir().expect("a directory"), &["demo"])
+    }
+
+    /// `tetrad operator`, its buttons in the console.
+    pub(crate) fn operator() -> Self {
+        Self::operator_with("", &[])
+    }
+
+    /// The same with more lines in `[console]`, and files beside the station's.
+    pub(crate) fn operator_with(console: &str, files: &[(&str, &str)]) -> Self {
+        let dir = tempfile::tempdir().expect("a directory");
+        for (name, text) in [("tetrad.toml", format!("{STATION}{console}").as_str())].iter().chain(files) {
+            std::fs::write(dir.path().join(name), text).expect("a file");
+        }
+        Self::start(dir, &["operator", "--config", "tetrad.toml", "--hold-to-run", "console"])
+    }
+
+    fn start(dir: tempfile::TempDir, arguments: &[&str]) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tetrad"));
+        command.args(arguments).args(["--out", "out"]).current_dir(dir.path()).stdin(Stdio::null());
+        let log = std::fs::File::create(dir.path().join("said.txt")).expect("a file");
+        let errors = log.try_clone().expect("the same file");
+        let process = command.stdout(log).stderr(errors).spawn().expect("the program starts");
+        let mut program = Self { process, address: SocketAddr::from(([127, 0, 0, 1], 0)), dir };
+        let began = Instant::now();
+        program.address = loop {
+            if let Some(address) = console_in(&program.said()) {
+                break address;
+            }
+            assert!(began.elapsed() < LONG, "no console: {}", program.said());
+            std::thread::sleep(POLL);
+        };
+        program
+    }
+
+    fn said(&self) -> String {
+        std::fs::read_to_string(self.dir.path().join("said.txt")).unwrap_or_default()
+    }
+
+    /// Where its console is.
+    pub(crate) fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// The address of a page.
+    pub(crate) fn url(&self, path: &str) -> String {
+        format!("http://{}{path}", self.address)
+    }
+
+    /// Ends it as Ctrl-C does, and gives what the arm did.
+    pub(crate) fn end(mut self) -> Record {
+        let told = Command::new("kill").args(["-INT", &self.process.id().to_string()]).status();
+        assert!(told.is_ok_and(|status| status.success()), "it runs");
+        let status = self.ended();
+        assert!(status.success(), "{status}: {}", self.said());
+        Record::read(&self.out())
+    }
+
+    fn out(&self) -> PathBuf {
+        self.dir.path().join("out")
+    }
+
+    fn ended(&mut self) -> ExitStatus {
+        let began = Instant::now();
+        loop {
+            if let Some(status) = self.process.try_wait().expect("a child") {
+                return status;
+            }
+            assert!(began.elapsed() < LONG, "it does not end");
+            std::thread::sleep(POLL);
+        }
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // one that ended is no longer there to be killed
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// The address in what it printed, once its line is whole.
+fn console_in(said: &str) -> Option<SocketAddr> {
+    let (_, rest) = said.split_once("http://")?;
+    rest.split_once(['/', '\n'])?.0.parse().ok()
+}
+
+/// What the slave told of the arm, by its own clock, which is the operator's where both are one program.
+pub(crate) struct Record(Vec<(u64, bool)>);
+
+impl Record {
+    fn read(out: &Path) -> Self {
+        let text = std::fs::read_to_string(out.join("arm_state.csv")).expect("arm_state.csv");
+        let row = |line: &str| {
+            let fields: Vec<&str> = line.split(',').collect();
+            ((fields[1].parse::<f64>().expect("seconds") * 1e6).round() as u64, fields[3] == "engaged")
+        };
+        Self(text.lines().skip(1).map(row).collect())
+    }
+
+    /// How long after a time the arm began to stop, microseconds; `None` where it was not moving then: the
+    /// computer had been too busy to tell of the button.
+    pub(crate) fn stop_after(&self, at_us: u64) -> Option<u64> {
+        let (before, after) = self.0.split_at(self.0.partition_point(|(slave_us, _)| *slave_us < at_us));
+        before.last().filter(|(_, engaged)| *engaged)?;
+        let (stopped_us, _) = after.iter().find(|(_, engaged)| !engaged).expect("it stopped");
+        Some(stopped_us - at_us)
+    }
+
+    /// Whether the arm moved from one time to another without a break.
+    pub(crate) fn moved_throughout(&self, from_us: u64, to_us: u64) -> bool {
+        let mut within =
+            self.0.iter().filter(|(slave_us, _)| (from_us..=to_us).contains(slave_us)).peekable();
+        within.peek().is_some() && within.all(|(_, engaged)| *engaged)
+    }
+
+    /// The arm began its stop in time after one of these moments at least, and in all of them where the computer
+    /// was not too busy: what is tried is by whose clock the arm stops, not how long a thread is held up.
+    #[track_caller]
+    pub(crate) fn stopped_in_time(&self, what: &str, times_us: &[u64]) {
+        let stops_us: Vec<u64> = times_us.iter().filter_map(|at_us| self.stop_after(*at_us)).collect();
+        let shown: Vec<String> = stops_us.iter().map(|us| format!("{:.1}", *us as f64 / 1e3)).collect();
+        println!("measured: {what}: the arm began its stop {} ms later", shown.join(", "));
+        let soonest_us = stops_us.iter().min().expect("the computer was not too busy every time");
+        assert!(*soonest_us <= STOP_US, "{what}: {stops_us:?} us");
+    }
+}

@@ -1,0 +1,168 @@
+//! Whatever ends the press stops the arm, in time by the slave's own clock.
+
+use super::browser::{Browser, SPACE};
+use super::driver::{hold, note, noted_us, sees_stop, take, take_control};
+use super::program::Program;
+use super::proxy::Proxy;
+use super::turn;
+use super::witness::{Witness, is_moving};
+use std::time::Duration;
+
+/// So often each is tried; the soonest counts (`Record::stopped_in_time`).
+const TRIES: usize = 3;
+
+/// So long nothing moves that is not to move.
+const A_WHILE: Duration = Duration::from_millis(500);
+
+/// Drives by the space bar, has the press ended in some way, and looks at what the arm did.
+///
+/// `end` gives when it was, by the operator's clock, and leaves the drive page open and in control.
+fn stops(test: &str, what: &str, end: impl Fn(&Browser, &Witness, &Program) -> u64) {
+    let _turn = turn();
+    let Some(browser) = Browser::open(test) else { return };
+    let program = Program::operator();
+    let witness = Witness::of(program.address());
+    take_control(&browser, &program.url("/drive"));
+    let mut times_us = Vec::new();
+    for _ in 0..TRIES {
+        hold(&browser, &witness);
+        times_us.push(end(&browser, &witness, &program));
+        sees_stop(&witness);
+        // the key is still down, as far as the keyboard knows
+        assert!(witness.within(A_WHILE, is_moving).is_err(), "what has ended begins by itself");
+        browser.key_up(SPACE);
+    }
+    program.end().stopped_in_time(what, &times_us);
+}
+
+#[test]
+fn the_space_bar_is_let_go() {
+    stops("console::stops::the_space_bar_is_let_go", "space bar let go", |browser, witness, _| {
+        note(browser, "window", "keyup");
+        browser.key_up(SPACE);
+        noted_us(browser, witness)
+    });
+}
+
+/// Goes to another tab and back. The page hears that it has lost the focus and that it is hidden; only one of the
+/// two is left to reach what the page does about it.
+fn leaves(browser: &Browser, witness: &Witness, (target, event): (&str, &str), without: &str) -> u64 {
+    browser.script(&format!(
+        "window.addEventListener('{without}', event => event.stopImmediatePropagation(), {{capture: true}})"
+    ));
+    note(browser, target, event);
+    let drive = browser.tab();
+    browser.open_another_tab();
+    sees_stop(witness);
+    browser.close_for(&drive);
+    noted_us(browser, witness)
+}
+
+#[test]
+fn the_focus_is_lost() {
+    stops("console::stops::the_focus_is_lost", "focus lost", |browser, witness, _| {
+        leaves(browser, witness, ("window", "blur"), "visibilitychange")
+    });
+}
+
+#[test]
+fn the_tab_is_hidden() {
+    stops("console::stops::the_tab_is_hidden", "tab hidden", |browser, witness, _| {
+        leaves(browser, witness, ("document", "visibilitychange"), "blur")
+    });
+}
+
+#[test]
+fn the_page_is_loaded_again_and_holds_nothing() {
+    stops(
+        "console::stops::the_page_is_loaded_again_and_holds_nothing",
+        "page loaded again",
+        |browser, witness, _| {
+            note(browser, "window", "pagehide");
+            browser.reload();
+            let at_us = noted_us(browser, witness);
+            // the key is still down; the page knows of no press and is not in control
+            browser.until("document.getElementById('take') && !document.getElementById('take').disabled");
+            let live = witness.until("nobody in control", |live| live["control"]["holder"].is_null());
+            assert_eq!(live["control"]["pressed"], false);
+            take(browser);
+            at_us
+        },
+    );
+}
+
+#[test]
+fn the_page_hangs() {
+    stops("console::stops::the_page_hangs", "page hung", |browser, witness, _| {
+        // nothing of the page runs for a second, and the socket stays open
+        browser.script(
+            "sessionStorage.setItem('noted', performance.timeOrigin + performance.now());
+             setTimeout(() => { const end = performance.now() + 1000; while (performance.now() < end); }, 0);",
+        );
+        sees_stop(witness);
+        noted_us(browser, witness)
+    });
+}
+
+/// The same through a line that something happens to. (Chromium's own way of being offline leaves sockets alone
+/// that are open.)
+fn loses_the_line(test: &str, what: &str, lose: impl Fn(&Proxy)) {
+    let _turn = turn();
+    let Some(browser) = Browser::open(test) else { return };
+    let program = Program::operator();
+    let witness = Witness::of(program.address());
+    let proxy = Proxy::to(program.address());
+    browser.go(&proxy.url("/drive"));
+    let mut times_us = Vec::new();
+    for _ in 0..TRIES {
+        take(&browser);
+        hold(&browser, &witness);
+        times_us.push(witness.now_us());
+        lose(&proxy);
+        sees_stop(&witness);
+        // the page says so itself
+        browser.until("document.getElementById('link').textContent.includes('NO CONNECTION')");
+        assert_eq!(browser.script("return document.body.classList.contains('silent')"), true);
+        witness.until("nobody in control", |live| live["control"]["holder"].is_null());
+        proxy.mend();
+        browser.until("document.getElementById('link').textContent === 'connected'");
+        assert!(witness.within(A_WHILE, is_moving).is_err(), "what has ended begins by itself");
+        browser.key_up(SPACE);
+    }
+    program.end().stopped_in_time(what, &times_us);
+}
+
+#[test]
+fn the_socket_is_cut() {
+    loses_the_line("console::stops::the_socket_is_cut", "socket cut", Proxy::cut);
+}
+
+#[test]
+fn the_line_hangs() {
+    loses_the_line("console::stops::the_line_hangs", "line hangs", Proxy::hang);
+}
+
+#[test]
+fn pictures_that_stand_still_are_dimmed_and_say_how_old_they_are() {
+    let _turn = turn();
+    let test = "console::stops::pictures_that_stand_still_are_dimmed_and_say_how_old_they_are";
+    let Some(browser) = Browser::open(test) else { return };
+    let program = Program::operator();
+    let proxy = Proxy::to(program.address());
+    browser.go(&proxy.url("/drive"));
+    let all = |so: &str| {
+        format!("(all => all.length >= 2 && all.every({so}))([...document.querySelectorAll('figure')])")
+    };
+    let fresh = all("one => !one.classList.contains('stale')");
+    browser.until(&fresh);
+    proxy.hold_up("/pictures");
+    browser
+        .until(&all("one => one.classList.contains('stale') && /STALE: [\\d.]+ s old/.test(one.innerText)"));
+    let shown = browser.script("return getComputedStyle(document.querySelector('.stale canvas')).opacity");
+    let opacity = shown.as_str().and_then(|text| text.parse::<f64>().ok());
+    assert!(opacity.is_some_and(|opacity| opacity < 0.5), "{shown}");
+    // what the arm does is still told
+    assert_eq!(browser.text("#link"), "connected");
+    proxy.mend();
+    browser.until(&fresh);
+}

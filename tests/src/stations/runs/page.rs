@@ -1,0 +1,189 @@
+//! The drive page open on two cameras, and closed, in turn.
+//!
+//! One operator with two simulated cameras of 640x480 at 30 pictures a second and a simulated arm without eyes. What
+//! it takes of the processors is read from /proc; how long a picture takes to become a motion that is sent, from
+//! sent.csv. Both are compared between the turns with the page and those without. The browser is on the
+//! same computer, unlike an operator's, and takes its processors too: it runs with the least right to them.
+
+use super::FIND;
+use crate::stations::browser::{Browser, get};
+use crate::stations::cell::Cell;
+use crate::stations::crew::well;
+use crate::stations::station::Station;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+const FILE: &str = "\
+[operator]
+arm_mm = 80
+slave = \"here\"
+[[operator.camera]]
+source = \"sim:demo\"
+view = \"left\"
+[[operator.camera]]
+source = \"sim:demo\"
+view = \"right\"
+[slave]
+port = \"sim:?watchdog_ms=5000\"
+[console]
+listen = \"127.0.0.1:0\"
+";
+
+/// A turn; what is left of it after a browser has started or ended is measured.
+const TURN: Duration = Duration::from_secs(10);
+const SETTLE: Duration = Duration::from_secs(4);
+
+/// The page may take so much of one processor.
+const MOST_SHARE: f64 = 0.25;
+
+/// And make the 99th percentile from picture to datagram so many times as long.
+const MOST_RATIO: f64 = 1.2;
+
+/// What was measured of one kind of turns.
+#[derive(Default)]
+struct Turns {
+    /// Of the wall, seconds.
+    length_s: f64,
+    /// By the operator's clock, seconds.
+    spans_s: Vec<(f64, f64)>,
+    /// Of the processors, by the thread's name, seconds.
+    taken_s: BTreeMap<String, f64>,
+}
+
+impl Turns {
+    /// The share of one processor that is taken.
+    fn share(&self) -> f64 {
+        self.taken_s.values().sum::<f64>() / self.length_s
+    }
+
+    fn share_of(&self, thread: &str) -> f64 {
+        self.taken_s.get(thread).copied().unwrap_or_default() / self.length_s
+    }
+}
+
+pub(super) fn run(cell: &Cell, length: Duration) -> Result<String, String> {
+    cell.write("page", FILE)?;
+    let out = cell.out("page").display().to_string();
+    let mut operator = cell.start("operator", "page", &["--hold-to-run", "always", "--out", &out])?;
+    operator.until_said("http://", FIND)?;
+    let said = operator.said();
+    let console = said.split_once("http://").and_then(|(_, rest)| rest.split(['/', '\n']).next());
+    let console = console.ok_or_else(|| format!("no console:\n{said}"))?.to_owned();
+    operator.until_said("engaged", FIND)?;
+
+    let [mut closed, mut open] = [Turns::default(), Turns::default()];
+    let began = Instant::now();
+    while began.elapsed() < length {
+        measure(&operator, &console, &mut closed)?;
+        let browser = Browser::show(&format!("http://{console}/drive"), &cell.out("browser"))?;
+        measure(&operator, &console, &mut open)?;
+        let pictures = get(&console, "/metrics").map_err(|error| format!("{console}: {error}"))?;
+        if !pictures.lines().any(|line| line.starts_with("tetrad_console_web_sockets 2")) {
+            return Err(format!("the page does not look at the pictures:\n{pictures}"));
+        }
+        drop(browser);
+    }
+    well(&operator.end()?)?;
+    let [quiet, watched] = [&closed, &open].map(|turns| p99_ms(&cell.out("page"), &turns.spans_s));
+    judge(&closed, &open, quiet?, watched?)
+}
+
+/// Lets it settle, and looks at what it takes.
+fn measure(operator: &Station, console: &str, turns: &mut Turns) -> Result<(), String> {
+    std::thread::sleep(SETTLE);
+    let (began, from_s, before) = (Instant::now(), clock_s(console)?, operator.taken_s());
+    std::thread::sleep(TURN);
+    let (to_s, after) = (clock_s(console)?, operator.taken_s());
+    turns.length_s += began.elapsed().as_secs_f64();
+    turns.spans_s.push((from_s, to_s));
+    for (thread, seconds) in after {
+        let before_s = before.get(&thread).copied().unwrap_or_default();
+        *turns.taken_s.entry(thread).or_default() += seconds - before_s;
+    }
+    Ok(())
+}
+
+/// The operator's clock, seconds.
+fn clock_s(console: &str) -> Result<f64, String> {
+    let snapshot = get(console, "/api/snapshot").map_err(|error| format!("{console}: {error}"))?;
+    let time = snapshot.split_once("\"time_us\":").and_then(|(_, rest)| rest.split(',').next()?.parse().ok());
+    time.map(|us: f64| us * 1e-6).ok_or_else(|| format!("{console}: there is no time in {snapshot}"))
+}
+
+/// From the later camera's picture in memory to the motion handed to the link, within these spans: the 99th
+/// percentile, ms.
+fn p99_ms(out: &Path, spans_s: &[(f64, f64)]) -> Result<f64, String> {
+    let file = out.join("sent.csv");
+    let text = std::fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+    let mut delays_ms: Vec<f64> = text.lines().skip(1).filter_map(|row| delay_ms(row, spans_s)).collect();
+    delays_ms.sort_by(f64::total_cmp);
+    // the smallest that 99 of 100 do not exceed
+    let at = (delays_ms.len() * 99).div_ceil(100).checked_sub(1);
+    let p99 = at.and_then(|at| delays_ms.get(at)).copied();
+    p99.ok_or_else(|| format!("{}: no motion was sent in the turns", file.display()))
+}
+
+/// `sequence,capture,ready,first,joined,posed,sent`
+fn delay_ms(row: &str, spans_s: &[(f64, f64)]) -> Option<f64> {
+    let mut fields = row.split(',').map(|field| field.parse::<f64>().ok());
+    let (ready_s, sent_s) = (fields.nth(2)??, fields.nth(3)??);
+    let within = spans_s.iter().any(|(from_s, to_s)| (*from_s..*to_s).contains(&sent_s));
+    within.then_some((sent_s - ready_s) * 1e3)
+}
+
+fn judge(closed: &Turns, open: &Turns, quiet_ms: f64, watched_ms: f64) -> Result<String, String> {
+    let (cost, ratio) = (open.share() - closed.share(), watched_ms / quiet_ms);
+    let mut report = String::new();
+    // writing to a string does not fail
+    let _ = writeln!(
+        report,
+        "share of one processor: {:.1} % without the page, {:.1} % with it",
+        closed.share() * 100.0,
+        open.share() * 100.0
+    );
+    for thread in open.taken_s.keys() {
+        let (without, with) = (closed.share_of(thread) * 100.0, open.share_of(thread) * 100.0);
+        if (with - without).abs() >= 0.5 {
+            let _ = writeln!(report, "    {thread:<16} {without:6.1} % {with:6.1} %");
+        }
+    }
+    let _ = writeln!(report, "the page costs {:.1} % (at most {:.0} %)", cost * 100.0, MOST_SHARE * 100.0);
+    let _ = writeln!(
+        report,
+        "picture to datagram, p99: {quiet_ms:.3} ms without the page, {watched_ms:.3} ms with it: {ratio:.2} times (at most {MOST_RATIO})"
+    );
+    if cost > MOST_SHARE || ratio > MOST_RATIO {
+        return Err(format!("{report}the page takes more than it may"));
+    }
+    Ok(report)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delay_counts_within_its_turns() {
+        let row = "9,4.900000,4.950000,4.951000,4.952000,4.953000,5.000000";
+        let delay = delay_ms(row, &[(1.0, 2.0), (4.0, 6.0)]).unwrap();
+        assert!((delay - 50.0).abs() < 1e-6);
+        assert_eq!(delay_ms(row, &[(1.0, 2.0), (5.5, 6.0)]), None);
+        assert_eq!(delay_ms("sequence,capture", &[(1.0, 2.0)]), None);
+    }
+
+    #[test]
+    fn what_the_page_takes_is_judged() {
+        let turns = |thread: &str, taken_s: f64| Turns {
+            length_s: 10.0,
+            taken_s: BTreeMap::from([("camera".to_owned(), 5.0), (thread.to_owned(), taken_s)]),
+            ..Turns::default()
+        };
+        let (closed, open, dear) = (turns("console", 0.0), turns("console", 2.0), turns("console", 3.0));
+        let report = judge(&closed, &open, 10.0, 11.0).unwrap();
+        assert!(report.contains("costs 20.0 %") && report.contains("1.10 times"), "{report}");
+        assert!(judge(&closed, &dear, 10.0, 11.0).is_err());
+        assert!(judge(&closed, &open, 10.0, 12.5).is_err());
+    }
+}
