@@ -1,5 +1,9 @@
 //! Learning in words a person can act on: which ball, where, why not, and how safe its colour is.
 
+mod judged;
+
+pub use judged::{Disc, Judged, judge, mistaken};
+
 use crate::colours::BallColours;
 use crate::pipeline::CameraStart;
 use crate::scene_file::Seeds;

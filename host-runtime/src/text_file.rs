@@ -1,10 +1,11 @@
-//! Files that people or `tetrad` wrote: settings, colours, scenes, keys. They are small.
+//! Files that people or `tetrad` wrote: settings, colours, scenes, keys. They are small, and are replaced as a
+//! whole.
 //!
 //! A name can be that of anything: a pipe that nobody writes to never ends an `open`, `/dev/zero` never
 //! ends a `read`. What is no regular file, or too large to be what it is taken for, is refused before that.
 
 use std::fs::{self, File};
-use std::io::{self, Read as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::Path;
 
 /// The largest file, bytes: a hundred times the largest there is.
@@ -32,9 +33,65 @@ pub(crate) fn read(path: &Path) -> io::Result<String> {
         .or_else(|_| wrong("it is no text (UTF-8): another file must be meant".to_owned()))
 }
 
+/// Puts a file in place of the one that is there: whoever reads it finds the old text or the new one, never
+/// half of it.
+///
+/// # Errors
+/// What the system says; the old file is there then.
+pub(crate) fn replace(path: &Path, text: &str) -> io::Result<()> {
+    // where a link leads to; a file that is not there yet is no link
+    let path = &fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let name = path.file_name().ok_or_else(|| io::Error::from(io::ErrorKind::InvalidFilename))?;
+    let mut beside = std::ffi::OsString::from(".");
+    beside.push(name);
+    beside.push(".new");
+    let beside = path.with_file_name(beside);
+    let written = (|| {
+        let mut file = File::create(&beside)?;
+        if let Ok(old) = fs::metadata(path) {
+            file.set_permissions(old.permissions())?;
+        }
+        file.write_all(text.as_bytes())?;
+        file.sync_all()?;
+        fs::rename(&beside, path)
+    })();
+    if written.is_err() {
+        // there is nothing to be done about a rest that cannot be removed
+        let _ = fs::remove_file(&beside);
+    }
+    written
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_is_replaced_as_a_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("colours.toml");
+        replace(&file, "first").unwrap();
+        replace(&file, "second").unwrap();
+        assert_eq!(read(&file).unwrap(), "second");
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1, "nothing is left beside it");
+        let missing = dir.path().join("nowhere").join("colours.toml");
+        assert_eq!(replace(&missing, "third").unwrap_err().kind(), io::ErrorKind::NotFound);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_one_and_rights_stay() {
+        use std::os::unix::fs::{PermissionsExt as _, symlink};
+        let dir = tempfile::tempdir().unwrap();
+        let (file, link) = (dir.path().join("a.toml"), dir.path().join("b.toml"));
+        fs::write(&file, "old").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+        symlink(&file, &link).unwrap();
+        replace(&link, "new").unwrap();
+        assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+    }
 
     fn refused(path: &Path) -> String {
         read(path).unwrap_err().to_string()

@@ -2,7 +2,7 @@
 
 use super::access::{self, Access, MAX_BODY};
 use super::desk::Desk;
-use super::{arm, checklist, live, metrics, pages, pictures, plotly};
+use super::{arm, checklist, live, metrics, pages, pictures, plotly, setup};
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, State as Of};
 use axum::http::{HeaderMap, StatusCode, header};
@@ -46,7 +46,8 @@ fn routes(state: State) -> Router {
         .route("/metrics", get(metrics::metrics))
         .route("/health", get(metrics::health))
         .route("/plotly.js", get(plotly::script))
-        .route("/sign-in", get(pages::sign_in).post(sign_in));
+        .route("/sign-in", get(pages::sign_in).post(sign_in))
+        .merge(setup::routes());
     pages::PAGES
         .iter()
         .fold(router, |router, page| router.route(page.path, get(move || async move { page.answer() })))

@@ -3,13 +3,15 @@
 
 use super::checklist::{Checker, Checks};
 use super::control::{Control, Refusal, Tab};
+use super::setup::SetUp;
 use super::snapshot::{BallView, Snapshot};
 use crate::link::Doorbell;
 use crate::robot::clock::Clock;
 use crate::station::operator::Buttons;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use tetrad_core::hand::affine::Arms;
 use tokio::sync::watch;
 
 /// What a view shows.
@@ -68,6 +70,8 @@ struct Shared {
     homed: AtomicBool,
     snapshot: Mutex<Arc<Snapshot>>,
     views: Vec<View>,
+    /// What can be set up, once the cameras are open.
+    set_up: OnceLock<SetUp>,
     /// Changes whenever a view has a new picture.
     pictured: watch::Sender<u64>,
     counts: Counts,
@@ -106,6 +110,7 @@ impl Desk {
             homed: AtomicBool::new(false),
             snapshot: Mutex::default(),
             views: views.into_iter().map(view).collect(),
+            set_up: OnceLock::new(),
             pictured: watch::Sender::new(0),
             counts: Counts::default(),
             tabs: AtomicU64::new(0),
@@ -152,6 +157,23 @@ impl Desk {
     #[must_use]
     pub fn take_homed(&self) -> bool {
         self.0.homed.swap(false, Ordering::Relaxed)
+    }
+
+    /// What the set-up page sets up; once.
+    pub fn set_up_with(&self, set_up: SetUp) {
+        // a second one would be another run's, and there is none
+        let _ = self.0.set_up.set(set_up);
+    }
+
+    /// What can be set up; `None` while the cameras are being opened.
+    pub(super) fn set_up(&self) -> Option<&SetUp> {
+        self.0.set_up.get()
+    }
+
+    /// The arms of the frame that the operator is to begin anew with, where that was asked for.
+    #[must_use]
+    pub fn take_arms(&self) -> Option<Arms> {
+        self.0.set_up.get()?.take_arms()
     }
 
     /// The views there are.

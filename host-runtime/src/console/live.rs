@@ -65,7 +65,7 @@ enum Said {
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "kebab-case")]
 enum Told<'a> {
-    Hello { version: &'static str, views: Vec<ViewTold<'a>> },
+    Hello { version: &'static str, page: u64, views: Vec<ViewTold<'a>> },
     Live { now_us: u64, control: ControlView, snapshot: &'a Snapshot },
     Refused { what: &'static str, why: String },
 }
@@ -117,7 +117,7 @@ async fn write(
     seat: &Seat,
 ) {
     let views = desk.views().iter().map(|view| ViewTold { name: &view.name, kind: view.kind }).collect();
-    let mut next = text(&Told::Hello { version: env!("CARGO_PKG_VERSION"), views });
+    let mut next = text(&Told::Hello { version: env!("CARGO_PKG_VERSION"), page: seat.tab.0, views });
     let mut tick = interval(TELL);
     tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {

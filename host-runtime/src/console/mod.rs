@@ -29,6 +29,7 @@ mod pages;
 mod pictures;
 mod plotly;
 mod serve;
+mod setup;
 pub mod snapshot;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -39,3 +40,4 @@ pub use checklist::{Checker, Checklist};
 pub use desk::{Desk, ViewKind};
 pub use onlooker::onlooker;
 pub use serve::{Console, ConsoleError};
+pub use setup::{SetUp, SetUpCamera, SetUpPlace};

@@ -17,8 +17,13 @@ const STYLE: &str = "text/css; charset=utf-8";
 const PICTURE: &str = "image/svg+xml";
 
 /// Every file, by its path.
-pub(super) const PAGES: [Page; 23] = [
+pub(super) const PAGES: [Page; 28] = [
     Page { path: "/", kind: HTML, content: include_str!("page/index.html") },
+    Page { path: "/setup", kind: HTML, content: include_str!("page/setup.html") },
+    Page { path: "/setup.css", kind: STYLE, content: include_str!("page/setup.css") },
+    Page { path: "/setup.js", kind: SCRIPT, content: include_str!("page/setup.js") },
+    Page { path: "/setup-view.js", kind: SCRIPT, content: include_str!("page/setup-view.js") },
+    Page { path: "/scan.js", kind: SCRIPT, content: include_str!("page/scan.js") },
     Page { path: "/drive", kind: HTML, content: include_str!("page/drive.html") },
     Page { path: "/slave", kind: HTML, content: include_str!("page/slave.html") },
     Page { path: "/style.css", kind: STYLE, content: include_str!("page/style.css") },

@@ -26,7 +26,11 @@ pub struct HandStep {
 /// The hand that all cameras see, and its filter.
 #[derive(Clone, Debug)]
 pub struct HandStage {
+    mode: HandMode,
+    config: HandConfig,
     tracker: HandTracker,
+    /// Latches of the hands before this one.
+    latched_before: u32,
     filter: PoseFilter,
 }
 
@@ -34,7 +38,7 @@ impl HandStage {
     /// A hand with these arms that has not been seen yet.
     #[must_use]
     pub fn new(mode: HandMode, arms: Arms, config: HandConfig, filter: PoseFilter) -> Self {
-        Self { tracker: HandTracker::new(mode, arms, config), filter }
+        Self { mode, config, tracker: HandTracker::new(mode, arms, config), latched_before: 0, filter }
     }
 
     /// The same with another filter.
@@ -51,6 +55,14 @@ impl HandStage {
             // the pose is told in other axes from here on
             self.filter.reset();
         }
+    }
+
+    /// Another hand: nothing is known of it but its arms, nor of the cameras, and its pose is told in the axes
+    /// of its own first complete instant. It counts as latched, so that nobody takes it for the old one.
+    pub fn set_up(&mut self, arms: Arms) {
+        self.latched_before = self.engagements().wrapping_add(1);
+        self.tracker = HandTracker::new(self.mode, arms, self.config);
+        self.filter.reset();
     }
 
     /// Where the camera `view` is expected to see the four balls at `t_us`, px.
@@ -71,7 +83,11 @@ impl HandStage {
             self.filter.reset();
         }
         let filtered = filtered(&mut self.filter, &report, t_us);
-        HandStep { report, filtered, engagements: self.tracker.engagements(), solving }
+        HandStep { report, filtered, engagements: self.engagements(), solving }
+    }
+
+    const fn engagements(&self) -> u32 {
+        self.latched_before.wrapping_add(self.tracker.engagements())
     }
 }
 

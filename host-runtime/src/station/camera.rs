@@ -9,9 +9,11 @@
 //! a ball that is lost in the whole picture until it is there again.
 
 mod counts;
+mod handle;
 mod thread;
 
 pub use counts::CameraCounts;
+pub use handle::{CameraHandle, Grab, Still, Taught};
 pub use thread::CameraThread;
 
 use super::back_off::BackOff;
@@ -87,6 +89,7 @@ pub struct CameraStation {
     /// `None` while it is lost.
     source: Option<Box<dyn Source>>,
     tracker: CameraTracker,
+    handle: CameraHandle,
     sequence: u32,
     /// When the last picture was taken.
     last_us: Option<u64>,
@@ -135,6 +138,7 @@ impl CameraStation {
             }
         }
         let notices = source.take_notices();
+        let handle = CameraHandle::new(config, start, (source.info().width, source.info().height));
         Ok(Self {
             name,
             label,
@@ -142,6 +146,7 @@ impl CameraStation {
             open,
             source: Some(source),
             tracker,
+            handle,
             sequence: 0,
             last_us: None,
             back_off: BackOff::default(),
@@ -156,6 +161,10 @@ impl CameraStation {
     /// # Errors
     /// A recording that cannot be read on.
     pub fn step(&mut self, sink: &mut dyn CameraSink) -> Result<Step, Failure> {
+        if let Some(tracker) = self.handle.take_order() {
+            self.tracker = tracker;
+            self.notices.push(format!("{}: it looks for balls as they were taught anew", self.name));
+        }
         let Some(source) = &mut self.source else { return Ok(self.open_again()) };
         // before the wait, for the picture is lent: clocks do not part by a microsecond meanwhile
         let clocks = (self.clock.now_us(), source.now_s());
@@ -187,12 +196,19 @@ impl CameraStation {
         };
         sink.observed(&packet);
         sink.pictured(&frame.view, &packet, &report.windows);
+        self.handle.serve(&frame.view, &packet);
         let missed = if let Gap::Missed(missed) = frame.gap { missed } else { 0 };
         self.counts.add(&packet, missed);
         self.sequence = self.sequence.wrapping_add(1);
         self.last_us = Some(capture_us);
         self.notices.append(&mut source.take_notices());
         Ok(Step::Observed)
+    }
+
+    /// Where it is asked for pictures and taught anew while it works.
+    #[must_use]
+    pub fn handle(&self) -> CameraHandle {
+        self.handle.clone()
     }
 
     /// Whether the camera is there.

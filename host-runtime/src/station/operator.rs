@@ -180,6 +180,12 @@ impl Operator {
         turn
     }
 
+    /// Begins with another hand, of these arms: cameras that were moved or taught anew have to be learnt
+    /// anew too.
+    pub fn set_up(&mut self, arms: Arms) {
+        self.hand.set_up(arms);
+    }
+
     /// How long the loop may sleep where nothing comes, microseconds.
     #[must_use]
     pub fn sleep_us(&self, now_us: u64) -> u64 {

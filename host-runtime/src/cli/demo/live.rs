@@ -58,6 +58,7 @@ pub(super) fn stations(args: &DemoArgs, scene: &Scene) -> (OperatorSettings, Sla
             focal_px: None,
             mode: args.mode,
         }),
+        colours: Some(args.out.join(format!("colours-{}.toml", view.name()))),
         focal_px: None,
     });
     let operator = OperatorSettings {

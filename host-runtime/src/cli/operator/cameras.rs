@@ -1,7 +1,7 @@
 //! The cameras that see the hand, wherever they are.
 
 use crate::console::snapshot::{BallView, CameraView};
-use crate::console::{Desk, onlooker};
+use crate::console::{Desk, SetUpCamera, SetUpPlace, onlooker};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Carrier as _, Doorbell, Link, Peer, Picture, Received};
 use crate::robot::clock::Clock;
@@ -80,6 +80,29 @@ impl Cameras {
             eyes.push(HandEye { name: name(camera), place, heard_us: None, count: 0, last: None });
         }
         Ok(Self(eyes))
+    }
+
+    /// What the console sets up of them.
+    pub(super) fn to_set_up(&self, settings: &[HandCameraSettings]) -> Vec<SetUpCamera> {
+        let camera = |(eye, settings): (&HandEye, &HandCameraSettings)| {
+            let place = match &eye.place {
+                Place::Here(thread) => SetUpPlace::Here {
+                    handle: thread.handle().clone(),
+                    source: settings.source.clone(),
+                    file: settings.colours.clone(),
+                },
+                Place::Station(_) => SetUpPlace::Elsewhere(
+                    "this camera is at another computer, which learns its balls itself: run `tetrad learn` there, \
+                     and start its station again",
+                ),
+                Place::Serial(_) => SetUpPlace::Elsewhere(
+                    "this is a smart camera, which learns its balls itself: see what came with it",
+                ),
+                Place::Over => SetUpPlace::Elsewhere("this recording is over"),
+            };
+            SetUpCamera { name: eye.name.clone(), place }
+        };
+        self.0.iter().zip(settings).map(camera).collect()
     }
 
     /// Pictures that camera stations send to be looked at, each with its camera's place.

@@ -23,7 +23,7 @@ mod talk;
 use super::interrupt::Interrupt;
 use super::memory::resident_kb;
 use super::{make_dir, note, say, tell_aside};
-use crate::console::{Console, ConsoleError, Desk, ViewKind};
+use crate::console::{Console, ConsoleError, Desk, SetUp, ViewKind};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Doorbell, Link};
 use crate::output::ArmRecord;
@@ -182,6 +182,10 @@ impl Order<'_> {
         let console = self.console(&clock, &bell)?;
         let desk = console.as_ref().map(|(_, desk)| desk);
         let cameras = Cameras::start(&operator.cameras, link.as_ref(), session, &clock, &bell, desk)?;
+        if let Some(desk) = desk {
+            let file = self.station.map(|station| station.file.clone());
+            desk.set_up_with(SetUp::new(cameras.to_set_up(&operator.cameras), operator.arm_m, file));
+        }
         let slave = match &operator.slave {
             SlavePlace::Here => {
                 let arm = self.out.map(ArmRecord::create).transpose().or_exit(Exit::Failed)?;

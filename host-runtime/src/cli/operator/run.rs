@@ -220,6 +220,11 @@ impl Run {
                 desk.show(view, pictures::shown(&picture));
             }
         }
+        if let Some(arms) = self.parts.console.as_ref().and_then(|(_, desk)| desk.take_arms()) {
+            self.parts.station.set_up(arms);
+            let [mm, ..] = arms.lengths_m().map(|m| m * 1000.0);
+            lines.push(format!("set up anew: a frame with arms of {mm:.1} mm"));
+        }
         if !self.parts.slave.is_connected() {
             self.parts.hold.slave_gone();
         }

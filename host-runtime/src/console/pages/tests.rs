@@ -22,7 +22,7 @@ fn contrast(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 
 /// What is written in which colour on which ground, and the least contrast: 4.5 for text, 3 for what is drawn
 /// (WCAG AA, 1.4.3 and 1.4.11).
-const PAIRS: [(&str, &str, f64); 22] = [
+const PAIRS: [(&str, &str, f64); 26] = [
     ("--text", "--back", 4.5),
     ("--text", "--panel", 4.5),
     ("--soft", "--back", 4.5),
@@ -45,6 +45,11 @@ const PAIRS: [(&str, &str, f64); 22] = [
     ("--warn", "--panel", 3.0),
     ("--text", "--panel", 3.0),
     ("--text", "--arm", 3.0),
+    // curves of a scan
+    ("--plot-red", "--panel", 3.0),
+    ("--plot-green", "--panel", 3.0),
+    ("--plot-blue", "--panel", 3.0),
+    ("--plot-orange", "--panel", 3.0),
     // a bar's frame and its filling
     ("--soft", "--panel", 3.0),
     ("--link", "--panel", 3.0),
@@ -91,6 +96,7 @@ fn scripts_find_their_elements() {
     let of = |path: &str| PAGES.iter().find(|page| page.path == path).unwrap().content;
     for (page, scripts) in [
         ("/", &["/index.js"][..]),
+        ("/setup", &["/setup.js", "/setup-view.js"]),
         ("/drive", &["/drive.js", "/controls.js"]),
         ("/slave", &["/slave.js", "/controls.js"]),
     ] {

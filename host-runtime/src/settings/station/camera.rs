@@ -133,6 +133,11 @@ impl CameraToml {
         self.focal_px
     }
 
+    /// The file of its colours, where one is named.
+    pub(super) fn colours(&self, dir: &Path) -> Option<PathBuf> {
+        self.colours.as_ref().map(|file| dir.join(file))
+    }
+
     /// Where its pictures come from, as it was given.
     pub(super) fn source(&self) -> &str {
         &self.source

@@ -77,6 +77,8 @@ pub struct HandCameraSettings {
     pub source: String,
     /// Where it is.
     pub place: HandCamera,
+    /// The file that keeps its colours, where it is plugged in here and has one.
+    pub colours: Option<PathBuf>,
     /// Its nominal focal length, px, where one was given.
     pub focal_px: Option<f32>,
 }
@@ -170,7 +172,8 @@ impl CameraToml {
             let camera = self.local(key, dir)?;
             let focal_px = camera.focal_px;
             let source = self.source().to_owned();
-            return Ok(HandCameraSettings { source, place: HandCamera::Local(camera), focal_px });
+            let colours = self.colours(dir);
+            return Ok(HandCameraSettings { source, place: HandCamera::Local(camera), colours, focal_px });
         };
         if let Some(extra) = self.of_a_local_camera() {
             let mend = format!("{} knows that itself: set it there, and leave it out here", self.source());
@@ -185,6 +188,7 @@ impl CameraToml {
         Ok(HandCameraSettings {
             source: self.source().to_owned(),
             place,
+            colours: None,
             focal_px: focal_px.map(|px| px as f32),
         })
     }

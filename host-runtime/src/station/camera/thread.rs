@@ -1,6 +1,6 @@
 //! A camera of this computer on a thread of its own, for an operator in the same process.
 
-use super::{CameraCounts, CameraSink, CameraStation, Onlooker, Step, Windows};
+use super::{CameraCounts, CameraHandle, CameraSink, CameraStation, Onlooker, Step, Windows};
 use crate::exit::Failure;
 use crate::link::Received;
 use crate::station::newest::Newest;
@@ -14,6 +14,7 @@ use tetrad_core::wire::ObservationPacket;
 /// A running [`CameraStation`]. Its observations come as those of another station do.
 pub struct CameraThread {
     newest: Arc<Newest>,
+    handle: CameraHandle,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<Ended>>,
 }
@@ -32,18 +33,25 @@ impl CameraThread {
         onlooker: Option<Onlooker>,
     ) -> io::Result<Self> {
         let newest = Arc::new(Newest::default());
+        let handle = station.handle();
         let stop = Arc::new(AtomicBool::new(false));
         let theirs = (Arc::clone(&newest), Arc::clone(&stop));
         let thread = std::thread::Builder::new()
             .name("camera".to_owned())
             .spawn(move || run(station, Place { newest: &theirs.0, ring: &ring, onlooker }, &theirs.1))?;
-        Ok(Self { newest, stop, thread: Some(thread) })
+        Ok(Self { newest, handle, stop, thread: Some(thread) })
     }
 
     /// The newest observations, if they were not taken yet.
     #[must_use]
     pub fn observation(&self) -> Option<Received<ObservationPacket>> {
         self.newest.take()
+    }
+
+    /// Where it is asked for pictures and taught anew.
+    #[must_use]
+    pub const fn handle(&self) -> &CameraHandle {
+        &self.handle
     }
 
     /// What the operator should know and was not told yet.
@@ -122,6 +130,7 @@ fn run(mut station: CameraStation, mut place: Place<'_>, stop: &AtomicBool) -> E
             place.newest.tell(notices);
         }
     }
+    station.handle.close();
     place.newest.tell(station.take_notices());
     (place.ring)();
     (station.counts.clone(), ended)

@@ -1,7 +1,7 @@
 //! From a page's button to the arm, through everything but a browser.
 
 use super::*;
-use crate::console::testing::Tab;
+use crate::console::testing::{Tab, post};
 use crate::settings::{FilterArgs, Mode, PredictionFlag, SmoothingFlag};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
@@ -105,32 +105,53 @@ fn stop_after(out: &Path, at_us: u64) -> Option<u64> {
     Some(stopped_us - at_us)
 }
 
+/// A demo in a thread of its own, its results in `out`.
+struct Demo {
+    console: SocketAddr,
+    interrupt: Interrupt,
+    thread: std::thread::JoinHandle<Result<(), Failure>>,
+}
+
+impl Demo {
+    fn start(out: &Path) -> Self {
+        let (told, hears) = mpsc::channel();
+        let interrupt = Interrupt::by_hand();
+        let asked = interrupt.clone();
+        let out = out.to_owned();
+        let thread = std::thread::spawn(move || {
+            let args = args(&out);
+            let (operator, mut slave) = stations(&args, &super::super::scene(&args.scene)?);
+            // the arm's own watch over its set-points is not what is tried here
+            slave.arm.port = Some("sim:?watchdog_ms=5000".parse().unwrap());
+            let listen = "127.0.0.1:0".parse().unwrap();
+            let console = ConsoleSettings { listen, ..ConsoleSettings::demo() };
+            let order = Order {
+                station: None,
+                operator: &operator,
+                slave: &slave,
+                network: None,
+                console: Some(&console),
+                hold: HoldToRun::Console,
+                longest: None,
+                out: Some(&out),
+            };
+            order.carry_out(&interrupt, |console| told.send(console.address()).unwrap())
+        });
+        let console = hears.recv_timeout(Duration::from_secs(120)).expect("a console");
+        Self { console, interrupt: asked, thread }
+    }
+
+    fn end(self) {
+        self.interrupt.flag().store(true, std::sync::atomic::Ordering::Relaxed);
+        self.thread.join().expect("no panic").expect("the arm was stopped by a button");
+    }
+}
+
 #[test]
 fn a_page_moves_the_arm_and_its_silence_or_its_end_stops_it() {
     let dir = tempfile::tempdir().unwrap();
-    let (told, hears) = mpsc::channel();
-    let interrupt = Interrupt::by_hand();
-    let asked = interrupt.clone();
-    let out = dir.path().to_owned();
-    let demo = std::thread::spawn(move || {
-        let args = args(&out);
-        let (operator, mut slave) = stations(&args, &super::super::scene(&args.scene)?);
-        // the arm's own watch over its set-points is not what is tried here
-        slave.arm.port = Some("sim:?watchdog_ms=5000".parse().unwrap());
-        let console = ConsoleSettings { listen: "127.0.0.1:0".parse().unwrap(), ..ConsoleSettings::demo() };
-        let order = Order {
-            station: None,
-            operator: &operator,
-            slave: &slave,
-            network: None,
-            console: Some(&console),
-            hold: HoldToRun::Console,
-            longest: None,
-            out: Some(&out),
-        };
-        order.carry_out(&interrupt, |console| told.send(console.address()).unwrap())
-    });
-    let console = hears.recv_timeout(Duration::from_secs(120)).expect("a console");
+    let demo = Demo::start(dir.path());
+    let console = demo.console;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     let (mut silent, mut cut) = (Vec::new(), Vec::new());
     runtime.block_on(async {
@@ -149,12 +170,79 @@ fn a_page_moves_the_arm_and_its_silence_or_its_end_stops_it() {
             witness.until("control is free", |live| live["control"]["holder"].is_null()).await;
         }
     });
-    asked.flag().store(true, std::sync::atomic::Ordering::Relaxed);
-    demo.join().expect("no panic").expect("the arm was stopped by a button");
+    demo.end();
     for (what, times_us) in [("silent", silent), ("cut", cut)] {
         let stops_us: Vec<u64> = times_us.iter().filter_map(|at_us| stop_after(dir.path(), *at_us)).collect();
         println!("{what}: the arm began its stop {stops_us:?} us later");
         let soonest_us = stops_us.iter().min().expect("the computer was not too busy every time");
         assert!(*soonest_us <= STOP_US, "{what}: {stops_us:?} us");
+    }
+}
+
+/// Whether every camera sees all four balls.
+fn all_seen(live: &Value) -> bool {
+    let cameras = live["snapshot"]["cameras"].as_array().unwrap();
+    let seen = |ball: &Value| matches!(ball["state"].as_str(), Some("visible" | "occluded"));
+    let whole = |camera: &Value| {
+        let balls = camera["balls"].as_array().unwrap();
+        balls.len() == 4 && balls.iter().all(seen)
+    };
+    cameras.len() == 2 && cameras.iter().all(whole)
+}
+
+#[test]
+fn a_page_finds_the_balls_anew_and_the_arm_follows_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let demo = Demo::start(dir.path());
+    let console = demo.console;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(async {
+        let mut page = Tab::open(console).await;
+        page.until("both cameras", all_seen).await;
+        // a ball may stand before another just then
+        let mut found = Value::Null;
+        for _ in 0..20 {
+            let (status, told) = post(console, "/api/setup/find", &json!({})).await;
+            assert_eq!(status, 200, "{told}");
+            found = told;
+            if found["said"] == "the four balls were found by 2 of 2 cameras" {
+                break;
+            }
+        }
+        assert_eq!(found["cameras"][0]["in_use"], false, "{found}");
+        let (status, saved) = post(console, "/api/setup/save", &json!({})).await;
+        assert_eq!(status, 200, "{saved}");
+        let (status, used) = post(console, "/api/setup/use", &json!({})).await;
+        assert_eq!((status, &used["cameras"][1]["in_use"]), (200, &json!(true)), "{used}");
+        page.until("the stop", |live| live["control"]["stopped"] == true).await;
+        page.until("both cameras say that they were taught", |live| {
+            let lines = live["snapshot"]["lines"].to_string();
+            lines.matches("taught anew").count() == 2 && lines.contains("set up anew: a frame with arms of")
+        })
+        .await;
+        let taught_us = page.live["now_us"].as_u64().unwrap();
+        page.until("the hand, of what was seen after that", |live| {
+            let snapshot = &live["snapshot"];
+            let [time_us, age_us] =
+                [&snapshot["time_us"], &snapshot["hand"]["age_us"]].map(|us| us.as_u64().unwrap_or_default());
+            let later = time_us.saturating_sub(age_us) > taught_us;
+            later && all_seen(live) && snapshot["hand"]["state"] == "both"
+        })
+        .await;
+        drop(page);
+        let mut driver = Driver::open(console).await;
+        driver.drive().await;
+        // who drives is not taught under his hand
+        let (status, told) = post(console, "/api/setup/use", &json!({})).await;
+        assert_eq!(status, 409, "{told}");
+        driver.tab.release().await;
+        driver.tab.until("rest", |live| live["snapshot"]["arm"]["state"] != "engaged").await;
+    });
+    demo.end();
+    for view in ["left", "right"] {
+        let file = dir.path().join(format!("colours-{view}.toml"));
+        let text = std::fs::read_to_string(&file).unwrap();
+        let colours = crate::colours::Colours::parse(&text, view).unwrap();
+        assert!(colours.learnt_balls().iter().all(Option::is_some), "{text}");
     }
 }
