@@ -61,8 +61,8 @@ fn stop_comes_first_and_is_reached_by_keyboard_on_every_page() {
                 browser.tap(TAB);
                 assert_eq!(browser.script("return document.activeElement.id"), "stop", "{path}");
             }
-            // on the drive page the space bar is the arm's, wherever the focus is
-            if key == SPACE && path == "/drive" {
+            // where there is hold-to-run the space bar is the arm's, wherever the focus is
+            if key == SPACE && browser.script("return Boolean(document.getElementById('hold'))") == true {
                 continue;
             }
             browser.tap(key);

@@ -8,8 +8,10 @@ use super::turn;
 use super::witness::{Witness, is_moving};
 use std::time::Duration;
 
-/// So often each is tried; the soonest counts (`Record::stopped_in_time`).
+/// So often each has to be tried; the soonest counts (`Record::stopped_in_time`). A try does not count where the arm
+/// stood already: on a busy computer the page is not in time by itself.
 const TRIES: usize = 3;
+const MOST_TRIES: usize = 12;
 
 /// So long nothing moves that is not to move.
 const A_WHILE: Duration = Duration::from_millis(500);
@@ -24,13 +26,17 @@ fn stops(test: &str, what: &str, end: impl Fn(&Browser, &Witness, &Program) -> u
     let witness = Witness::of(program.address());
     take_control(&browser, &program.url("/drive"));
     let mut times_us = Vec::new();
-    for _ in 0..TRIES {
+    for _ in 0..MOST_TRIES {
         hold(&browser, &witness);
-        times_us.push(end(&browser, &witness, &program));
+        let at_us = end(&browser, &witness, &program);
         sees_stop(&witness);
         // the key is still down, as far as the keyboard knows
         assert!(witness.within(A_WHILE, is_moving).is_err(), "what has ended begins by itself");
         browser.key_up(SPACE);
+        times_us.extend(program.so_far().was_moving(at_us).then_some(at_us));
+        if times_us.len() == TRIES {
+            break;
+        }
     }
     program.end().stopped_in_time(what, &times_us);
 }
@@ -114,10 +120,10 @@ fn loses_the_line(test: &str, what: &str, lose: impl Fn(&Proxy)) {
     let proxy = Proxy::to(program.address());
     browser.go(&proxy.url("/drive"));
     let mut times_us = Vec::new();
-    for _ in 0..TRIES {
+    for _ in 0..MOST_TRIES {
         take(&browser);
         hold(&browser, &witness);
-        times_us.push(witness.now_us());
+        let at_us = witness.now_us();
         lose(&proxy);
         sees_stop(&witness);
         // the page says so itself
@@ -128,6 +134,10 @@ fn loses_the_line(test: &str, what: &str, lose: impl Fn(&Proxy)) {
         browser.until("document.getElementById('link').textContent === 'connected'");
         assert!(witness.within(A_WHILE, is_moving).is_err(), "what has ended begins by itself");
         browser.key_up(SPACE);
+        times_us.extend(program.so_far().was_moving(at_us).then_some(at_us));
+        if times_us.len() == TRIES {
+            break;
+        }
     }
     program.end().stopped_in_time(what, &times_us);
 }
@@ -151,7 +161,9 @@ fn pictures_that_stand_still_are_dimmed_and_say_how_old_they_are() {
     let proxy = Proxy::to(program.address());
     browser.go(&proxy.url("/drive"));
     let all = |so: &str| {
-        format!("(all => all.length >= 2 && all.every({so}))([...document.querySelectorAll('figure')])")
+        format!(
+            "(all => all.length >= 2 && all.every({so}))([...document.querySelectorAll('figure:has(.stamp)')])"
+        )
     };
     let fresh = all("one => !one.classList.contains('stale')");
     browser.until(&fresh);

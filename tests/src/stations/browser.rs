@@ -9,7 +9,8 @@ use std::process::{Child, Command, Stdio};
 /// What is needed for it.
 const MISSING: &str = "missing: apt-get install --no-install-recommends chromium";
 
-/// Chromium without a screen, with its profile in a folder of the run. Dropped, it is ended.
+/// Chromium without a screen, with its profile in a folder of the run, which gets what processors nobody else wants
+/// (util-linux's chrt). Dropped, it is ended.
 pub(super) struct Browser(Child);
 
 impl Browser {
@@ -18,14 +19,26 @@ impl Browser {
     /// # Errors
     /// There is no browser.
     pub(super) fn show(url: &str, profile: &Path) -> Result<Self, String> {
-        let mut chromium = Command::new("chromium");
-        chromium.args(["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]);
+        let known = Command::new("chromium").arg("--version").output();
+        if !known.is_ok_and(|told| told.status.success()) {
+            return Err(MISSING.to_owned());
+        }
+        let mut chromium = Command::new("chrt");
+        chromium.args([
+            "--idle",
+            "0",
+            "chromium",
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-dev-shm-usage",
+        ]);
         // without a port for its tools it would load the page, print it and end
         chromium.args(["--remote-debugging-port=0", "--window-size=1280,720"]);
         chromium.arg(format!("--user-data-dir={}", profile.display())).arg(url);
         chromium.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         // its processes are a group, so that all of them end
-        chromium.process_group(0).spawn().map(Self).map_err(|error| format!("chromium: {error}; {MISSING}"))
+        chromium.process_group(0).spawn().map(Self).map_err(|error| format!("chrt: {error}"))
     }
 }
 

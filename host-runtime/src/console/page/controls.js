@@ -53,7 +53,9 @@ export class Controls {
     }
     find("hold").setAttribute("aria-pressed", String(held && control.pressed));
     document.body.classList.toggle("stopped", control.stopped);
-    write(find("control"), this.#message || standing(control, held));
+    // that somebody has stopped the arm is more than why a press did not count
+    const stopped = control.yours && control.stopped;
+    write(find("control"), (!stopped && this.#message) || standing(control, held));
   }
 
   #take() {
