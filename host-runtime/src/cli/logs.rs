@@ -40,6 +40,8 @@ fn targets(text: &str) -> Result<Targets, ()> {
             let others = level.min(LevelFilter::WARN);
             Ok(Targets::new().with_default(others).with_target("tetrad", level))
         }
+        // a target without a level would be all of it, and a level that is misspelt a target
+        Err(_) if !text.split(',').all(|part| part.contains('=')) => Err(()),
         Err(_) => text.parse().map_err(|_| ()),
     }
 }
@@ -93,6 +95,8 @@ mod tests {
         let told = targets("tetrad::link=trace,quinn=info").unwrap();
         assert!(told.would_enable("tetrad::link::inbox", &Level::TRACE));
         assert!(!told.would_enable("tetrad::console", &Level::ERROR));
-        assert!(targets("tetrad=loud").is_err());
+        for nonsense in ["loud", "tetrad=loud", "tetrad", "tetrad=info,", "info,quinn=warn"] {
+            assert!(targets(nonsense).is_err(), "{nonsense}");
+        }
     }
 }

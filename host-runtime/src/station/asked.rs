@@ -40,7 +40,8 @@ struct Latch {
     last: Pose<f64>,
 }
 
-/// See the [module's text](self).
+/// Where the hand asks the tool to be, worked out again from what the slave announces and says; for the eyes
+/// alone.
 #[derive(Clone, Debug, Default)]
 pub struct Asked {
     law: Option<Law>,
