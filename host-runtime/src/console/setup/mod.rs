@@ -75,7 +75,7 @@ struct Local<'a> {
     file: Option<&'a PathBuf>,
 }
 
-/// See the [module's text](self).
+/// The set-up of every camera that can be taught while it runs.
 #[derive(Debug)]
 pub struct SetUp {
     cameras: Vec<SetUpCamera>,

@@ -71,7 +71,7 @@ impl fmt::Debug for Still {
     }
 }
 
-/// See the [module's text](self). Clones ask the same camera.
+/// Asks a camera at work for a whole picture, or to look for other colours. Clones ask the same camera.
 #[derive(Clone)]
 pub struct CameraHandle(Arc<Shared>);
 
