@@ -25,6 +25,7 @@
 //! | hand (4) | [`hand`] | observations of all views -> alpha, Phi, pose (eq. 4 to 8) | missing balls, degenerate views |
 //! | wire | [`wire`] | packets <-> bytes | damaged, foreign or impossible packets |
 //! | arm (5) | [`arm`] | pose of the tool <-> joints of a PUMA 560 | out of reach, out of range, silent changes of branch |
+//! | smart camera | [`node`] | pictures, commands -> packets | what cannot be learnt or tracked, with a reason |
 //!
 //! # Conventions
 //!
@@ -62,3 +63,5 @@ pub mod hand;
 pub mod wire;
 
 pub mod arm;
+
+pub mod node;

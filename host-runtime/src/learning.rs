@@ -12,11 +12,9 @@ use tetrad_core::config::{LearnConfig, TrackerConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::{BALLS, Ball};
 use tetrad_core::vision::appearance::LearntBall;
-use tetrad_core::vision::centre::Blob;
 use tetrad_core::vision::colour::Primary;
 use tetrad_core::vision::frame::FrameView;
 use tetrad_core::vision::learn::{LearnError, Learnt, learn};
-use tetrad_core::vision::rim::aspect_of_pixels;
 use tetrad_core::vision::tracker::CameraTracker;
 
 /// Up to four balls taught in one camera, ordered as [`Ball::ALL`].
@@ -96,34 +94,8 @@ fn lost_again(frame: &FrameView<'_>, taught: &Taught) -> Vec<(Ball, ImagePoint, 
 /// the outline's.
 #[must_use]
 pub fn tracked_as(learnt: &Learnt) -> LearntBall {
-    let (diameter, aspect) = match &learnt.blob {
-        Ok(blob) if !blob.cut => as_seen(learnt, blob),
-        _ => (learnt.diameter, 1.0),
-    };
-    LearntBall { reference: learnt.reference, diameter, aspect }
+    LearntBall::of(learnt)
 }
-
-/// Width, and height / width, as eq. 1 shows the ball. Where it shows the lit side alone, whose middle is
-/// off the outline's, it is the light that makes the height differ so much from the width: no more of it
-/// is told than may be taken for the light's doing, or the tracker would think that pixels are not square.
-fn as_seen(learnt: &Learnt, blob: &Blob) -> (f32, f32) {
-    let aspect = blob.height / blob.diameter;
-    let off = learnt.centre.distance(blob.centre);
-    let stretched = aspect_of_pixels(aspect, blob.diameter) != 1.0;
-    if !stretched || off <= LIT_SIDE_OFF * learnt.diameter {
-        (blob.diameter, aspect)
-    } else if aspect > 1.0 {
-        (blob.height / LIT_SIDE_ASPECT, LIT_SIDE_ASPECT)
-    } else {
-        (blob.diameter, 1.0 / LIT_SIDE_ASPECT)
-    }
-}
-
-/// How far off the outline's the middle of the lit side is at least, in diameters.
-const LIT_SIDE_OFF: f32 = 0.05;
-
-/// The largest height / width (or its inverse) that the rim's search takes for that of square pixels.
-const LIT_SIDE_ASPECT: f32 = 1.19;
 
 /// A camera that starts on the very frame its balls were learnt from.
 #[must_use]

@@ -4,8 +4,11 @@
 //! from the previous tracking iteration"), the reference colour only after several validated frames
 //! in a row (section 3.5), slowly, and never far from the colour that was taught.
 
+use super::centre::Blob;
 use super::colour::{ColourError, FRACTION, FULL_SCALE, Matcher, Reference, matching};
 use super::frame::{FrameView, Rgb};
+use super::learn::Learnt;
+use super::rim::aspect_of_pixels;
 use crate::config::{MAX_DIAMETER, Retry, ValidationConfig};
 use crate::geometry::{DIRECTIONS, ImagePoint, round_to_i32};
 use core::fmt;
@@ -27,6 +30,41 @@ pub struct LearntBall {
     pub diameter: f32,
     /// Height / width: 1 for square pixels.
     pub aspect: f32,
+}
+
+/// How far off the outline's the middle of the lit side is at least, in diameters.
+const LIT_SIDE_OFF: f32 = 0.05;
+
+/// The largest height / width (or its inverse) that the rim's search takes for that of square pixels.
+const LIT_SIDE_ASPECT: f32 = 1.19;
+
+impl LearntBall {
+    /// What the tracker takes of what was learnt: the size as eq. 1 shows it where it shows the ball, else
+    /// the outline's.
+    #[must_use]
+    pub fn of(learnt: &Learnt) -> Self {
+        let (diameter, aspect) = match &learnt.blob {
+            Ok(blob) if !blob.cut => as_seen(learnt, blob),
+            _ => (learnt.diameter, 1.0),
+        };
+        Self { reference: learnt.reference, diameter, aspect }
+    }
+}
+
+/// Width, and height / width, as eq. 1 shows the ball. Where it shows the lit side alone, whose middle is
+/// off the outline's, it is the light that makes the height differ so much from the width: no more of it
+/// is told than may be taken for the light's doing, or the tracker would think that pixels are not square.
+fn as_seen(learnt: &Learnt, blob: &Blob) -> (f32, f32) {
+    let aspect = blob.height / blob.diameter;
+    let off = learnt.centre.distance(blob.centre);
+    let stretched = aspect_of_pixels(aspect, blob.diameter) != 1.0;
+    if !stretched || off <= LIT_SIDE_OFF * learnt.diameter {
+        (blob.diameter, aspect)
+    } else if aspect > 1.0 {
+        (blob.height / LIT_SIDE_ASPECT, LIT_SIDE_ASPECT)
+    } else {
+        (blob.diameter, 1.0 / LIT_SIDE_ASPECT)
+    }
 }
 
 /// Why a taught ball cannot be tracked.

@@ -1,7 +1,7 @@
 //! A packet's body: version, kind, and the fields in postcard's encoding.
 
 use super::packet::{MotionPacket, ObservationPacket, Packet};
-use super::{ArmStatePacket, ButtonsPacket, DecodeError, EncodeError};
+use super::{ArmStatePacket, ButtonsPacket, CommandPacket, DecodeError, EncodeError, NoticePacket};
 use postcard::ser_flavors::{Flavor, Slice};
 use serde::de::DeserializeOwned;
 
@@ -13,6 +13,8 @@ pub(super) const OBSERVATION: u8 = 1;
 pub(super) const MOTION: u8 = 2;
 pub(super) const ARM_STATE: u8 = 3;
 pub(super) const BUTTONS: u8 = 4;
+pub(super) const COMMAND: u8 = 5;
+pub(super) const NOTICE: u8 = 6;
 
 const HEADER_LEN: usize = 2;
 
@@ -20,7 +22,10 @@ const HEADER_LEN: usize = 2;
 pub const MAX_BODY_LEN: usize = HEADER_LEN
     + longer(
         longer(ObservationPacket::MAX_LEN, MotionPacket::MAX_LEN),
-        longer(ArmStatePacket::MAX_LEN, ButtonsPacket::MAX_LEN),
+        longer(
+            longer(ArmStatePacket::MAX_LEN, ButtonsPacket::MAX_LEN),
+            longer(CommandPacket::MAX_LEN, NoticePacket::MAX_LEN),
+        ),
     );
 
 const fn longer(a: usize, b: usize) -> usize {
@@ -66,6 +71,16 @@ pub fn decode_body(body: &[u8]) -> Result<Packet, DecodeError> {
             Ok(packet.into())
         }
         BUTTONS => read_fields::<ButtonsPacket>(fields).map(Packet::from),
+        COMMAND => {
+            let packet: CommandPacket = read_fields(fields)?;
+            packet.check().map_err(DecodeError::Value)?;
+            Ok(packet.into())
+        }
+        NOTICE => {
+            let packet: NoticePacket = read_fields(fields)?;
+            packet.check().map_err(DecodeError::Value)?;
+            Ok(packet.into())
+        }
         unknown => Err(DecodeError::UnknownKind(unknown)),
     }
 }
@@ -87,6 +102,14 @@ pub(super) fn write_body<F: Flavor>(packet: &Packet, sink: F) -> Result<F::Outpu
             postcard::serialize_with_flavor(&(VERSION, ARM_STATE, packet), sink)
         }
         Packet::Buttons(packet) => postcard::serialize_with_flavor(&(VERSION, BUTTONS, packet), sink),
+        Packet::Command(packet) => {
+            packet.check().map_err(EncodeError::Value)?;
+            postcard::serialize_with_flavor(&(VERSION, COMMAND, packet), sink)
+        }
+        Packet::Notice(packet) => {
+            packet.check().map_err(EncodeError::Value)?;
+            postcard::serialize_with_flavor(&(VERSION, NOTICE, packet), sink)
+        }
     };
     // no packet holds anything that postcard cannot write, so only room can be wanting
     written.map_err(|_| EncodeError::BufferTooSmall)

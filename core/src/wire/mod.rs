@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | packet | [`packet`] | what one camera saw, how the hand moved |
 //! | | [`buttons`], [`arm_state`] | the operator's buttons; where the arm is, and why |
+//! | | [`command`] | what a smart camera is told, and what it answers |
 //! | body | [`body`] | version, kind, then the packet's fields in postcard's encoding |
 //! | frame | [`frame`] | COBS(body, CRC-16), then a zero byte |
 //! | decoder | [`decoder`] | frames out of a stream that is split, joined or damaged anywhere |
@@ -17,6 +18,7 @@
 pub mod arm_state;
 pub mod body;
 pub mod buttons;
+pub mod command;
 pub mod decoder;
 pub mod frame;
 pub mod packet;
@@ -26,6 +28,7 @@ pub use arm_state::{
 };
 pub use body::{MAX_BODY_LEN, VERSION, decode_body, encode_body};
 pub use buttons::ButtonsPacket;
+pub use command::{BadPicture, Command, CommandPacket, NotTaught, Notice, NoticePacket};
 pub use decoder::{Decoder, Feed};
 pub use frame::{MAX_FRAME_LEN, encode};
 pub use packet::{Covariance, MotionPacket, ObservationPacket, Packet, Transform};

@@ -1,7 +1,7 @@
 //! The packets: what one camera saw, and how the hand moved. Plain arrays, no matrix types, so that
 //! what is sent is what is written here, field by field in this order.
 
-use super::{ArmStatePacket, BadValue, ButtonsPacket};
+use super::{ArmStatePacket, BadValue, ButtonsPacket, CommandPacket, NoticePacket};
 use crate::geometry::{ImagePoint, Pose};
 use crate::hand::state::{PoseCovariance, PoseState};
 use crate::observation::{BALLS, ImageCovariance, Observation, ObservationState, Observations};
@@ -258,6 +258,10 @@ pub enum Packet {
     ArmState(ArmStatePacket),
     /// The operator's buttons.
     Buttons(ButtonsPacket),
+    /// What a smart camera is told.
+    Command(CommandPacket),
+    /// What a smart camera says beside its observations.
+    Notice(NoticePacket),
 }
 
 impl From<ObservationPacket> for Packet {
@@ -284,6 +288,18 @@ impl From<ButtonsPacket> for Packet {
     }
 }
 
+impl From<CommandPacket> for Packet {
+    fn from(packet: CommandPacket) -> Self {
+        Self::Command(packet)
+    }
+}
+
+impl From<NoticePacket> for Packet {
+    fn from(packet: NoticePacket) -> Self {
+        Self::Notice(packet)
+    }
+}
+
 impl Packet {
     /// The sender's session.
     #[must_use]
@@ -293,6 +309,8 @@ impl Packet {
             Self::Motion(packet) => packet.session,
             Self::ArmState(packet) => packet.session,
             Self::Buttons(packet) => packet.session,
+            Self::Command(packet) => packet.session,
+            Self::Notice(packet) => packet.session,
         }
     }
 
@@ -304,6 +322,8 @@ impl Packet {
             Self::Motion(packet) => packet.sequence,
             Self::ArmState(packet) => packet.sequence,
             Self::Buttons(packet) => packet.sequence,
+            Self::Command(packet) => packet.sequence,
+            Self::Notice(packet) => packet.sequence,
         }
     }
 }

@@ -12,6 +12,7 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use std::{format, string::String, vec, vec::Vec};
 
+mod node;
 mod pinned;
 mod stations;
 
@@ -175,7 +176,7 @@ fn motion_packet() -> impl Strategy<Value = Packet> {
 }
 
 fn packet() -> impl Strategy<Value = Packet> {
-    prop_oneof![observation_packet(), motion_packet(), stations::packet()]
+    prop_oneof![observation_packet(), motion_packet(), stations::packet(), node::packet()]
 }
 
 proptest! {
@@ -345,7 +346,7 @@ fn every_reason_to_refuse_a_frame() {
     assert_eq!(refused(&with(&motion, 0, &[0])), UnknownVersion(0));
     assert_eq!(refused(&with(&motion, 0, &[2])), UnknownVersion(2));
     assert_eq!(refused(&with(&motion, 1, &[0])), UnknownKind(0));
-    assert_eq!(refused(&with(&motion, 1, &[5])), UnknownKind(5));
+    assert_eq!(refused(&with(&motion, 1, &[9])), UnknownKind(9));
 
     for (name, body) in [("observation", &observation), ("motion", &motion)] {
         for len in 2..body.len() {

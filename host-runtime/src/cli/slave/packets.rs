@@ -195,7 +195,13 @@ impl Reader {
                         }
                     }
                     // what cameras saw is for somebody else
-                    Ok(Packet::Observation(_) | Packet::ArmState(_) | Packet::Buttons(_)) => {}
+                    Ok(
+                        Packet::Observation(_)
+                        | Packet::ArmState(_)
+                        | Packet::Buttons(_)
+                        | Packet::Command(_)
+                        | Packet::Notice(_),
+                    ) => {}
                     Err(error) => self.counts.not_a_packet(error),
                 }
             }
