@@ -9,8 +9,8 @@ use std::process::{Child, Command, Stdio};
 /// What is needed for it.
 const MISSING: &str = "missing: apt-get install --no-install-recommends chromium";
 
-/// Chromium without a screen, with its profile in a folder of the run, which gets what processors nobody else wants
-/// (util-linux's chrt). Dropped, it is ended.
+/// Chromium without a screen, with its profile in a folder of the run, which has less right to the processors than what is measured.
+/// Dropped, it is ended.
 pub(super) struct Browser(Child);
 
 impl Browser {
@@ -19,6 +19,13 @@ impl Browser {
     /// # Errors
     /// There is no browser.
     pub(super) fn show(url: &str, profile: &Path) -> Result<Self, String> {
+        // what a browser that was killed has left there keeps the next from starting
+        match std::fs::remove_dir_all(profile) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(format!("{}: {error}", profile.display()));
+            }
+            _ => {}
+        }
         let known = Command::new("chromium").arg("--version").output();
         if !known.is_ok_and(|told| told.status.success()) {
             return Err(MISSING.to_owned());
@@ -38,7 +45,7 @@ impl Browser {
         chromium.arg(format!("--user-data-dir={}", profile.display())).arg(url);
         chromium.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         // its processes are a group, so that all of them end
-        chromium.process_group(0).spawn().map(Self).map_err(|error| format!("chrt: {error}"))
+        chromium.process_group(0).spawn().map(Self).map_err(|error| format!("nice: {error}"))
     }
 }
 
