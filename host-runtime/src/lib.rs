@@ -47,6 +47,7 @@ pub mod pipeline;
 pub mod report;
 pub mod robot;
 pub mod scene_file;
+pub mod session;
 pub mod settings;
 pub mod source;
 pub mod station;

@@ -55,11 +55,11 @@ impl Mode {
     }
 }
 
-/// The flags of `tetrad track`.
+/// The flags that say what is tracked and how, of `tetrad track` and `tetrad record`.
 #[derive(Args, Clone, Debug)]
 #[command(group(ArgGroup::new("taught").required(true).args(["colours_left", "scene"])))]
-pub struct TrackArgs {
-    /// The left (or only) camera: /dev/videoN, a folder of numbered frames, a .y4m file or sim:NAME
+pub struct InputArgs {
+    /// The left (or only) camera: /dev/videoN, a folder of numbered frames, a .y4m or .mcap file or sim:NAME
     #[arg(long, value_name = "SRC")]
     pub left: String,
     /// The right camera; without it one camera is tracked and there is no pose
@@ -95,6 +95,14 @@ pub struct TrackArgs {
     /// Track only these balls [default: the scene's, or all four]
     #[arg(long, value_name = "BALLS")]
     pub balls: Option<BallSet>,
+}
+
+/// The flags of `tetrad track`.
+#[derive(Args, Clone, Debug)]
+pub struct TrackArgs {
+    /// What is tracked and how.
+    #[command(flatten)]
+    pub input: InputArgs,
     /// Where the results go: observations.csv, pose.csv, filtered.csv, motion.csv, summary.json ...; made if missing
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
@@ -130,9 +138,9 @@ pub struct CameraSettings {
     pub focal_px: Option<f32>,
 }
 
-/// `tetrad track`, checked.
+/// What is tracked and how, checked.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TrackSettings {
+pub struct InputSettings {
     /// The left (or only) camera, then the right one.
     pub cameras: Vec<CameraSettings>,
     /// The balls to track.
@@ -149,6 +157,13 @@ pub struct TrackSettings {
     pub filter: FilterConfig,
     /// Frames per second where a source has no times.
     pub fps: Option<f64>,
+}
+
+/// `tetrad track`, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackSettings {
+    /// What is tracked and how.
+    pub input: InputSettings,
     /// Where results go.
     pub out: PathBuf,
     /// Where the hand's motion is sent, `-` for standard output.
@@ -161,6 +176,22 @@ impl TrackSettings {
     /// # Errors
     /// [`Failure`] with [`Exit::BadArguments`] that names the flag, or the file and its key.
     pub fn new(args: TrackArgs) -> Result<Self, Failure> {
+        let TrackArgs { input, out, packets } = args;
+        let input = InputSettings::new(&input)?;
+        if packets.is_some() && !input.has_pose() {
+            return Err(Failure::bad_arguments("--packets: there is no hand whose motion could be sent")
+                .help("give two cameras (or --one-camera-pose) and all four balls"));
+        }
+        Ok(Self { input, out, packets })
+    }
+}
+
+impl InputSettings {
+    /// Reads and checks everything the flags name but the sources.
+    ///
+    /// # Errors
+    /// [`Failure`] with [`Exit::BadArguments`] that names the flag, or the file and its key.
+    pub fn new(args: &InputArgs) -> Result<Self, Failure> {
         if let Some(mm) = args.arm_mm
             && !(MIN_ARM_M..=MAX_ARM_M).contains(&metres(mm))
         {
@@ -185,8 +216,8 @@ impl TrackSettings {
                 .help("leave --mode paper out, or give --right"));
         }
         let settings = match &args.scene {
-            Some(scene) => Self::from_scene(scene, &args)?,
-            None => Self::from_colours(&args)?,
+            Some(scene) => Self::from_scene(scene, args)?,
+            None => Self::from_colours(args)?,
         };
         if settings.one_camera_pose && !settings.balls.is_all() {
             let message =
@@ -198,10 +229,6 @@ impl TrackSettings {
             let message =
                 format!("--one-camera-pose: {file}rigid is false, and only a rigid frame has a pose");
             return Err(Failure::bad_arguments(message).help("leave it out, or take rigid out of the scene"));
-        }
-        if settings.packets.is_some() && !settings.has_pose() {
-            return Err(Failure::bad_arguments("--packets: there is no hand whose motion could be sent")
-                .help("give two cameras (or --one-camera-pose) and all four balls"));
         }
         if settings.has_pose() && settings.arm_m.is_none() {
             return Err(Failure::bad_arguments("the arms' length is not known, and a pose needs it")
@@ -218,7 +245,7 @@ impl TrackSettings {
         enough && self.balls.is_all() && self.rigid
     }
 
-    fn from_colours(args: &TrackArgs) -> Result<Self, Failure> {
+    fn from_colours(args: &InputArgs) -> Result<Self, Failure> {
         let balls = args.balls.unwrap_or(BallSet::ALL);
         let mut cameras = Vec::new();
         for (name, source, file, focal_px) in [
@@ -247,12 +274,10 @@ impl TrackSettings {
             one_camera_pose: args.one_camera_pose,
             filter: args.filter.config(),
             fps: None,
-            out: args.out.clone(),
-            packets: args.packets.clone(),
         })
     }
 
-    fn from_scene(file: &Path, args: &TrackArgs) -> Result<Self, Failure> {
+    fn from_scene(file: &Path, args: &InputArgs) -> Result<Self, Failure> {
         let label = file.display().to_string();
         let scene = SceneFile::parse(&read(file)?, &label).or_exit(Exit::BadArguments)?;
         let balls = args.balls.unwrap_or_else(|| scene.balls());
@@ -294,8 +319,6 @@ impl TrackSettings {
             filter: args.filter.config(),
             arm_m: args.arm_mm.map(metres).or(scene.arm_m),
             fps: scene.fps,
-            out: args.out.clone(),
-            packets: args.packets.clone(),
         })
     }
 }

@@ -69,6 +69,31 @@ fn cameras_hand_and_arm_in_one_process() {
     }
 }
 
+#[test]
+fn what_an_operator_records_replays_to_the_same_bits() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = format!("{ALL}{PATIENT}").replace("sim:still", "sim:demo?format=nv12");
+    let ran = run(dir.path(), &file, "--hold-to-run always --seconds 6 --record session.mcap").done();
+    assert!(ran.stdout.contains("recorded        "), "{ran:#?}");
+    assert!(!ran.stdout.contains("left out        "), "{ran:#?}");
+    let ran = tetrad(dir.path(), "replay session.mcap --out out --export-csv --report session.html").done();
+    for what in ["left observations", "right observations", "instants", "poses"] {
+        let line = ran.stdout.lines().find(|line| line.starts_with(what));
+        assert!(line.is_some_and(|line| line.contains(" identical, hash ")), "{what}: {ran:#?}");
+    }
+    let recorded = dir.path().join("out/recorded");
+    let engaged = column(&csv(&recorded.join("command.csv")), "engaged");
+    assert!(engaged.contains(&"1".to_owned()), "{engaged:?}");
+    let arm = csv(&recorded.join("arm.csv"));
+    assert!(column(&arm, "state").contains(&"engaged".to_owned()), "{:?}", arm.last());
+    assert!(column(&arm, "q6").iter().all(|joint| joint.parse::<f64>().is_ok()));
+    assert!(column(&csv(&recorded.join("buttons.csv")), "pressed").contains(&"1".to_owned()));
+    assert!(csv(&recorded.join("delays.csv")).len() > 10);
+    assert_eq!(csv(&recorded.join("pose.csv")), csv(&dir.path().join("out/pose.csv")), "as it was, and anew");
+    let page = fs::read_to_string(dir.path().join("session.html")).unwrap();
+    assert!(["The balls", "The hand", "The arm", "Delays", "/arm/joints"].iter().all(|t| page.contains(t)));
+}
+
 /// Ends as it is told to, the button released.
 #[cfg(unix)]
 #[test]

@@ -11,7 +11,8 @@ pub const PEERS: &str = "TETRAD_PEERS";
 pub const REQUIREMENTS: &str = include_str!("../peers/requirements.txt");
 
 /// Why a test that needs them is skipped.
-pub const MISSING: &str = "PyPI canopen is not installed: run `cargo verify --only peers`";
+pub const MISSING: &str =
+    "what tests/peers/requirements.txt names is not installed: run `cargo verify --only peers`";
 
 /// The environment under cargo's target directory.
 #[must_use]

@@ -35,6 +35,8 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   In real time, in the console that it names, until Ctrl-C: hold the space bar there to move the arm
     tetrad demo
+  The same, and kept for `tetrad replay` and the console's replay page
+    tetrad demo --record demo.mcap
   As fast as it goes over ten simulated seconds, for scripts:
     tetrad demo --headless --seconds 10 --out demo-out
 
@@ -71,6 +73,9 @@ pub(super) struct DemoArgs {
     mode: Mode,
     #[command(flatten)]
     filter: FilterArgs,
+    /// Keep everything in this session, for `tetrad replay` and the console; an older one of that name is lost
+    #[arg(long, value_name = "FILE.mcap", conflicts_with = "headless")]
+    record: Option<PathBuf>,
 }
 
 /// Runs `tetrad demo`.

@@ -15,6 +15,8 @@ mod memory;
 mod notes;
 mod operator;
 mod progress;
+mod record;
+mod replay;
 mod slave;
 mod track;
 
@@ -34,7 +36,7 @@ static UNPRINTED: OnceLock<io::Error> = OnceLock::new();
 
 const AFTER_HELP: &str = "\
 SRC is /dev/videoN, a folder of numbered PNG or JPEG frames (with an optional timestamps.csv:
-frame,t), a .y4m file, or sim:NAME.
+frame,t), a .y4m file, a session recorded as .mcap, or sim:NAME.
 
 Exit codes: 0 done, 1 failed, 2 bad arguments or configuration, 3 device or link lost,
 4 stopped by a safety rule.";
@@ -80,6 +82,12 @@ enum Command {
     /// Join the cameras' observations, send the hand's motion to the slave
     #[command(after_help = operator::EXAMPLES)]
     Operator(operator::OperatorArgs),
+    /// Track as `track` does, and keep everything in one MCAP file
+    #[command(after_help = record::EXAMPLES)]
+    Record(record::RecordArgs),
+    /// Run a recorded session through the same pipeline, and say whether the same came out
+    #[command(after_help = replay::EXAMPLES)]
+    Replay(replay::ReplayArgs),
     /// Drive an arm by what a station or `tetrad track --packets` sends
     #[command(after_help = slave::EXAMPLES)]
     Slave(slave::SlaveArgs),
@@ -104,6 +112,8 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Keys(args) => keys::run(&args),
         Command::Learn(args) => learn::run(&args),
         Command::Operator(args) => operator::run(&args),
+        Command::Record(args) => record::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::Slave(args) => slave::run(&args),
         Command::Track(args) => track::run(args),
     };

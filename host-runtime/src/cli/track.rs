@@ -7,7 +7,7 @@ use crate::exit::{Exit, Failure, OrExit as _};
 use crate::output::{RecordedCamera, Recorder, Stamp, Summary};
 use crate::pipeline::Step;
 use crate::pipeline::{CameraStart, Pipeline};
-use crate::settings::{TrackArgs, TrackSettings};
+use crate::settings::{InputSettings, TrackArgs, TrackSettings};
 use crate::source::{self, Frame, Gap, Options, View};
 use crate::station::MotionSender;
 use crate::streams::{End, Stream, Streams};
@@ -35,10 +35,11 @@ the errors. Ctrl-C ends a live run.";
 /// Runs `tetrad track`.
 pub(super) fn run(args: TrackArgs) -> Result<(), Failure> {
     let settings = TrackSettings::new(args)?;
-    let mut streams = open(&settings)?;
+    let mut streams = open(&settings.input, None)?;
     make_results_dir(&settings.out)?;
-    if !settings.has_pose() {
-        let reason = if settings.cameras.len() < 2 { "one camera" } else { "no rigid frame of four balls" };
+    if !settings.input.has_pose() {
+        let reason =
+            if settings.input.cameras.len() < 2 { "one camera" } else { "no rigid frame of four balls" };
         note(format_args!("{reason}: pose.csv, filtered.csv and motion.csv get no rows"));
     }
     let interrupt = Interrupt::listen()?;
@@ -96,10 +97,11 @@ impl PacketsOut {
     }
 }
 
-fn open(settings: &TrackSettings) -> Result<Streams, Failure> {
+/// Opens the cameras; a scene goes on for `scene_s` seconds, or for as long as it is.
+pub(super) fn open(settings: &InputSettings, scene_s: Option<f64>) -> Result<Streams, Failure> {
     let mut opened = settings.cameras.iter().map(|camera| {
         let view = if camera.name == "right" { View::Right } else { View::Left };
-        let options = Options { view, fps: settings.fps, ..Options::default() };
+        let options = Options { view, fps: settings.fps, scene_s, ..Options::default() };
         let mut source = source::open(&camera.source, &options)?;
         source.take_notices().iter().for_each(note);
         Ok::<_, Failure>(Stream { name: camera.name, source })
@@ -127,9 +129,10 @@ fn track(
         let Session { pipeline, recorder, packets } = match session {
             Some(session) => session,
             None => {
-                let pipeline = start(settings, frames)?;
+                let input = &settings.input;
+                let pipeline = pipeline(input, &starts(input, frames)?)?;
                 let recorder =
-                    Recorder::create(&settings.out, settings.mode.name(), cameras.clone(), settings.balls)
+                    Recorder::create(&settings.out, input.mode.name(), cameras.clone(), input.balls)
                         .or_exit(Exit::Failed)?;
                 let packets = settings.packets.as_deref().map(PacketsOut::create).transpose()?;
                 session.insert(Session { pipeline, recorder, packets })
@@ -150,14 +153,19 @@ fn track(
     end
 }
 
-/// The pipeline as the first frames start it: with colours from files, or learnt at the seeds.
-fn start(settings: &TrackSettings, frames: &[Frame<'_>]) -> Result<Pipeline, Failure> {
+/// What the first frames start with: colours from files, or learnt at the seeds.
+pub(super) fn starts(settings: &InputSettings, frames: &[Frame<'_>]) -> Result<Vec<CameraStart>, Failure> {
     let mut cameras: Vec<CameraStart> = Vec::new();
     for (camera, frame) in settings.cameras.iter().zip(frames) {
         let named = Named { name: camera.name, source: &camera.source };
         let start = camera_start(named, &camera.start, &frame.view)?;
         cameras.push(CameraStart { focal_px: camera.focal_px, ..start });
     }
+    Ok(cameras)
+}
+
+/// The pipeline that starts with them.
+pub(super) fn pipeline(settings: &InputSettings, cameras: &[CameraStart]) -> Result<Pipeline, Failure> {
     let mut config = settings.mode.pipeline();
     config.tracker.rigid = settings.rigid;
     let arms = match settings.arm_m.filter(|_| settings.has_pose()) {
@@ -165,7 +173,7 @@ fn start(settings: &TrackSettings, frames: &[Frame<'_>]) -> Result<Pipeline, Fai
         None => None,
     };
     let filter = PoseFilter::new(settings.filter).or_exit(Exit::BadArguments)?;
-    let pipeline = Pipeline::new(&cameras, config, arms).map_err(|(camera, error)| {
+    let pipeline = Pipeline::new(cameras, config, arms).map_err(|(camera, error)| {
         let name = settings.cameras.get(camera).map_or("", |camera| camera.name);
         let cause = anyhow::Error::new(error).context(format!("the {name} camera cannot be tracked"));
         Failure::new(Exit::BadArguments, cause)
@@ -183,7 +191,7 @@ fn stamp(frame: &Frame<'_>) -> Stamp {
 }
 
 /// Seconds to whole microseconds; a time before the clock's zero is zero.
-fn micros(t_s: f64) -> u64 {
+pub(super) fn micros(t_s: f64) -> u64 {
     (t_s * 1e6).round() as u64
 }
 

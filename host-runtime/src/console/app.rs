@@ -2,6 +2,7 @@
 
 use super::access::{self, Access, MAX_BODY};
 use super::desk::Desk;
+use super::replay::{self, Sessions};
 use super::{arm, checklist, live, metrics, pages, pictures, plotly, setup};
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, State as Of};
@@ -21,6 +22,8 @@ pub const WEB_SOCKETS: usize = 24;
 pub struct State {
     pub(super) desk: Desk,
     pub(super) access: Arc<Access>,
+    /// Where recorded sessions lie, if anybody has said so.
+    pub(super) sessions: Option<Arc<Sessions>>,
     pub(super) web_sockets: Arc<Semaphore>,
     /// A request is answered within this time, its body come or not.
     pub(super) within: Duration,
@@ -30,9 +33,9 @@ pub struct State {
 const WITHIN: Duration = Duration::from_secs(10);
 
 /// The console's routes. Who may ask is decided before each of them.
-pub fn app(desk: Desk, access: Access) -> Router {
+pub fn app(desk: Desk, access: Access, sessions: Option<Arc<Sessions>>) -> Router {
     let web_sockets = Arc::new(Semaphore::new(WEB_SOCKETS));
-    routes(State { desk, access: Arc::new(access), web_sockets, within: WITHIN })
+    routes(State { desk, access: Arc::new(access), sessions, web_sockets, within: WITHIN })
 }
 
 fn routes(state: State) -> Router {
@@ -43,6 +46,12 @@ fn routes(state: State) -> Router {
         .route("/api/snapshot", get(snapshot))
         .route("/api/arm", get(arm::arm))
         .route("/api/checklist", get(checklist::checklist))
+        .route("/api/sessions", get(replay::list))
+        .route("/api/sessions/{name}", get(replay::about))
+        .route("/api/sessions/{name}/moment", get(replay::moment))
+        .route("/api/sessions/{name}/picture", get(replay::picture))
+        .route("/api/sessions/{name}/whole", get(replay::whole).post(replay::read_whole))
+        .route("/api/sessions/{name}/files/{file}", get(replay::file))
         .route("/metrics", get(metrics::metrics))
         .route("/health", get(metrics::health))
         .route("/plotly.js", get(plotly::script))

@@ -17,7 +17,7 @@ const STYLE: &str = "text/css; charset=utf-8";
 const PICTURE: &str = "image/svg+xml";
 
 /// Every file, by its path.
-pub(super) const PAGES: [Page; 28] = [
+pub(super) const PAGES: [Page; 31] = [
     Page { path: "/", kind: HTML, content: include_str!("page/index.html") },
     Page { path: "/setup", kind: HTML, content: include_str!("page/setup.html") },
     Page { path: "/setup.css", kind: STYLE, content: include_str!("page/setup.css") },
@@ -45,6 +45,9 @@ pub(super) const PAGES: [Page; 28] = [
     Page { path: "/slave.js", kind: SCRIPT, content: include_str!("page/slave.js") },
     Page { path: "/stereo.js", kind: SCRIPT, content: include_str!("page/stereo.js") },
     Page { path: "/drive.js", kind: SCRIPT, content: include_str!("page/drive.js") },
+    Page { path: "/replay", kind: HTML, content: include_str!("page/replay.html") },
+    Page { path: "/replay.css", kind: STYLE, content: include_str!("page/replay.css") },
+    Page { path: "/replay.js", kind: SCRIPT, content: include_str!("page/replay.js") },
     Page { path: "/index.js", kind: SCRIPT, content: include_str!("page/index.js") },
 ];
 

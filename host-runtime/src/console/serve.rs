@@ -3,6 +3,7 @@
 use super::access::{Access, BadToken, Token};
 use super::app::app;
 use super::desk::Desk;
+use super::replay::Sessions;
 use super::tls::{self, TlsError};
 use crate::settings::station::{ConsolePort, ConsoleSettings};
 use crate::station::step_back;
@@ -99,13 +100,14 @@ impl Console {
         let runtime = runtime.map_err(ConsoleError::Thread)?;
         let end = Arc::new(Notify::new());
         let (ended, secure) = (Arc::clone(&end), tls.is_some());
+        let sessions = settings.sessions.clone().map(|dir| Arc::new(Sessions::new(dir)));
         let thread = std::thread::Builder::new()
             .name("console".to_owned())
             .spawn(move || {
                 step_back();
                 runtime.block_on(async {
                     tokio::select! {
-                        () = accept(listener, desk, access, tls.map(TlsAcceptor::from)) => {}
+                        () = accept(listener, app(desk.clone(), access, sessions), desk, tls.map(TlsAcceptor::from)) => {}
                         () = ended.notified() => {}
                     }
                 });
@@ -164,10 +166,9 @@ fn bind(settings: &ConsoleSettings) -> Result<StdListener, ConsoleError> {
 }
 
 /// Takes connections until the end of time.
-async fn accept(listener: StdListener, desk: Desk, access: Access, tls: Option<TlsAcceptor>) {
+async fn accept(listener: StdListener, routes: Router, desk: Desk, tls: Option<TlsAcceptor>) {
     let Ok(listener) = TcpListener::from_std(listener) else { return };
     let room = Arc::new(Semaphore::new(SOCKETS));
-    let routes = app(desk.clone(), access);
     loop {
         let Ok((stream, _)) = listener.accept().await else {
             sleep(AFTER_AN_ERROR).await;

@@ -20,7 +20,7 @@ mod truth;
 pub use arm::{ArmCsv, ArmRecord};
 pub use arm_state::ArmStateCsv;
 pub use aside::Aside;
-pub use csv::{CsvFile, OutputError};
+pub use csv::{CsvFile, OutputError, Row};
 pub use delays::write_delays;
 pub use hand::{MotionCsv, PoseCovarianceCsv, PoseCsv};
 pub use observations::{ObservationsCsv, UncertaintyCsv};

@@ -73,6 +73,26 @@ impl Report {
         Ok(())
     }
 
+    /// The page alone, without files beside it.
+    #[must_use]
+    pub fn page(&self) -> String {
+        page::html(self, page::Files::None)
+    }
+
+    /// Its plots for a page of somebody else, JSON: a list of sections with their `title` and `text`, and
+    /// `panels` as plotly.js takes them.
+    #[must_use]
+    pub fn plots(&self) -> String {
+        let sections = self.sections.iter().map(|section| {
+            let panels = section.figures.iter().flat_map(|figure| &figure.panels).map(plot::json);
+            let panels: Vec<String> = panels.collect();
+            let [title, text] =
+                [&section.title, &section.text].map(|text| serde_json::Value::from(text.as_str()));
+            format!("{{\"title\":{title},\"text\":{text},\"panels\":[{}]}}", panels.join(","))
+        });
+        format!("[{}]", sections.collect::<Vec<_>>().join(","))
+    }
+
     /// Writes every file of the report into `dir`.
     ///
     /// # Errors
@@ -85,7 +105,7 @@ impl Report {
         for figure in self.sections.iter().flat_map(|section| &section.figures) {
             write(dir, &format!("{}.svg", figure.name), &svg::draw(figure))?;
         }
-        write(dir, PAGE, &page::html(self))
+        write(dir, PAGE, &page::html(self, page::Files::Beside))
     }
 }
 

@@ -11,8 +11,25 @@ const SCRIPT: &str = include_str!("page.js");
 /// Tables with more rows than that are folded away.
 const FOLDED: usize = 16;
 
+/// Whether figures and tables are in files beside the page too, whose names then stand in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Files {
+    Beside,
+    None,
+}
+
+impl Files {
+    /// The name of one, behind a caption.
+    fn name(self, name: &str, ending: &str) -> String {
+        match self {
+            Self::Beside => format!(" ({name}.{ending})"),
+            Self::None => String::new(),
+        }
+    }
+}
+
 /// The whole page.
-pub(super) fn html(report: &Report) -> String {
+pub(super) fn html(report: &Report, files: Files) -> String {
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -20,7 +37,7 @@ pub(super) fn html(report: &Report) -> String {
         title = escape(&report.title)
     );
     let _ = writeln!(page, "<p class=\"about\">{}</p>\n<div id=\"headlines\">", escape(&report.lead));
-    push_table(&mut page, &report.headlines, false);
+    push_table(&mut page, &report.headlines, false, files);
     page.push_str("</div>\n");
     for line in &report.about {
         let _ = writeln!(page, "<p class=\"about\">{}</p>", escape(line));
@@ -34,10 +51,10 @@ pub(super) fn html(report: &Report) -> String {
         let (id, title, text) = (section.id, escape(&section.title), escape(&section.text));
         let _ = writeln!(page, "<section id=\"{id}\">\n<h2>{title}</h2>\n<p>{text}</p>");
         for figure in &section.figures {
-            push_figure(&mut page, figure);
+            push_figure(&mut page, figure, files);
         }
         for table in &section.tables {
-            push_table(&mut page, table, table.rows.len() > FOLDED);
+            push_table(&mut page, table, table.rows.len() > FOLDED, files);
         }
         page.push_str("</section>\n");
     }
@@ -46,22 +63,22 @@ pub(super) fn html(report: &Report) -> String {
     page
 }
 
-fn push_figure(page: &mut String, figure: &Figure) {
+fn push_figure(page: &mut String, figure: &Figure, files: Files) {
     let alone = if figure.panels.len() == 1 { " class=\"alone\"" } else { "" };
     let _ = writeln!(page, "<figure{alone}>\n<div class=\"plots\">");
     for panel in &figure.panels {
         let json = plot::json(panel);
         let _ = writeln!(page, "<div class=\"plot\"><script type=\"application/json\">{json}</script></div>");
     }
-    let (still, caption, name) = (svg::draw(figure), escape(&figure.caption), figure.name);
+    let (still, caption, name) = (svg::draw(figure), escape(&figure.caption), files.name(figure.name, "svg"));
     let _ = writeln!(
         page,
-        "</div>\n<div class=\"still\">{still}</div>\n<figcaption>{caption} ({name}.svg)</figcaption>\n</figure>"
+        "</div>\n<div class=\"still\">{still}</div>\n<figcaption>{caption}{name}</figcaption>\n</figure>"
     );
 }
 
-fn push_table(page: &mut String, table: &Table, folded: bool) {
-    let caption = format!("{} ({}.csv)", table.caption, table.name);
+fn push_table(page: &mut String, table: &Table, folded: bool, files: Files) {
+    let caption = format!("{}{}", table.caption, files.name(table.name, "csv"));
     let caption = escape(&caption);
     if folded {
         let _ = writeln!(page, "<details><summary>{caption}</summary>");

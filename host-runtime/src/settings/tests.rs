@@ -54,21 +54,21 @@ fn two_cameras_with_colours() {
     let flags = "--left a --right b --colours-left four.toml --colours-right four.toml --arm-mm 80 --out o";
     let settings = check(&dir, flags).unwrap();
     assert_eq!(
-        settings.cameras.iter().map(|c| (c.name, c.source.as_str())).collect::<Vec<_>>(),
+        settings.input.cameras.iter().map(|c| (c.name, c.source.as_str())).collect::<Vec<_>>(),
         [("left", "a"), ("right", "b")]
     );
-    assert!(settings.rigid && settings.has_pose() && settings.balls.is_all());
-    assert_eq!(settings.arm_m, Some(0.08));
+    assert!(settings.input.rigid && settings.input.has_pose() && settings.input.balls.is_all());
+    assert_eq!(settings.input.arm_m, Some(0.08));
 }
 
 #[test]
 fn fewer_balls_are_independent_and_have_no_pose() {
     let dir = files();
     let settings = check(&dir, "--left a --colours-left red.toml --balls red --out o").unwrap();
-    assert!(!settings.rigid && !settings.has_pose());
+    assert!(!settings.input.rigid && !settings.input.has_pose());
     let settings = check(&dir, "--left a --colours-left four.toml --balls red --out o").unwrap();
-    let Start::Colours(colours) = &settings.cameras[0].start else { panic!("colours were given") };
-    assert_eq!(BallSet::known(&colours.balls), Some(settings.balls));
+    let Start::Colours(colours) = &settings.input.cameras[0].start else { panic!("colours were given") };
+    assert_eq!(BallSet::known(&colours.balls), Some(settings.input.balls));
 }
 
 #[test]
@@ -76,21 +76,21 @@ fn one_camera_has_a_pose_when_it_is_asked_for() {
     let dir = files();
     let flags = "--left a --colours-left four.toml --arm-mm 80 --focal-left 812.5 --out o";
     let settings = check(&dir, flags).unwrap();
-    assert!(!settings.has_pose());
-    assert_eq!(settings.cameras[0].focal_px, Some(812.5));
-    assert!(check(&dir, &format!("{flags} --one-camera-pose")).unwrap().has_pose());
+    assert!(!settings.input.has_pose());
+    assert_eq!(settings.input.cameras[0].focal_px, Some(812.5));
+    assert!(check(&dir, &format!("{flags} --one-camera-pose")).unwrap().input.has_pose());
 }
 
 #[test]
 fn a_scene_gives_seeds_rate_and_arm() {
     let dir = files();
     let settings = check(&dir, "--left a --right b --scene scene.json --out o").unwrap();
-    assert_eq!(settings.balls.to_string(), "red,blue");
-    assert_eq!((settings.fps, settings.arm_m), (Some(25.0), Some(0.08)));
+    assert_eq!(settings.input.balls.to_string(), "red,blue");
+    assert_eq!((settings.input.fps, settings.input.arm_m), (Some(25.0), Some(0.08)));
     let settings =
         check(&dir, "--left a --right b --scene scene.json --balls blue --arm-mm 50 --out o").unwrap();
-    assert_eq!(settings.arm_m, Some(0.05));
-    for camera in settings.cameras {
+    assert_eq!(settings.input.arm_m, Some(0.05));
+    for camera in settings.input.cameras {
         let Start::Seeds { seeds, .. } = camera.start else { panic!("seeds were given") };
         assert_eq!(BallSet::known(&seeds).unwrap().to_string(), "blue");
     }
@@ -102,7 +102,7 @@ fn the_bounds_of_an_arm_are_the_solvers_and_the_helps() {
     let dir = files();
     for mm in [5.0, 2000.0] {
         let flags = format!("--left a --colours-left four.toml --arm-mm {mm} --out o");
-        let arm_m = check(&dir, &flags).unwrap().arm_m.unwrap();
+        let arm_m = check(&dir, &flags).unwrap().input.arm_m.unwrap();
         assert!(tetrad_core::hand::affine::Arms::equal(arm_m).is_ok(), "{mm} mm");
     }
     let help = Flags::command().render_help().to_string();

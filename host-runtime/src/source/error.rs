@@ -24,6 +24,9 @@ pub enum SourceError {
         /// What is wrong, and what would mend it.
         reason: String,
     },
+    /// A recorded session cannot be read.
+    #[error(transparent)]
+    Session(#[from] crate::session::SessionError),
     /// The camera is there and cannot give pictures that can be used.
     #[error("{device}: {reason}")]
     Unusable {
@@ -60,7 +63,7 @@ impl SourceError {
     pub const fn exit(&self) -> Exit {
         match self {
             Self::BadArgument { .. } => Exit::BadArguments,
-            Self::BadInput { .. } | Self::Unusable { .. } => Exit::Failed,
+            Self::BadInput { .. } | Self::Session(_) | Self::Unusable { .. } => Exit::Failed,
             Self::DeviceLost { .. } | Self::Stalled { .. } => Exit::DeviceLost,
         }
     }

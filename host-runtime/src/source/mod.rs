@@ -10,6 +10,7 @@
 //!
 //! folder     numbered PNG or JPEG files, decoded one ahead on a thread of their own
 //! y4m        a YUV4MPEG2 film, read frame by frame
+//! mcap       one camera's pictures out of a recorded session
 //! simulated  a rendered scene of tetrad-fixtures
 //! v4l2       a Linux camera: mapped driver buffers
 //! ```
@@ -25,6 +26,7 @@ mod error;
 pub mod folder;
 mod frame_number;
 pub mod live_scene;
+pub mod mcap;
 mod paced;
 pub mod picture;
 pub mod simulated;
@@ -42,6 +44,7 @@ pub use error::SourceError;
 pub use folder::FolderSource;
 pub(crate) use frame_number::natural_order;
 pub use live_scene::LiveScene;
+pub use mcap::McapSource;
 pub use paced::Paced;
 pub use simulated::SimulatedSource;
 pub use spec::Spec;
@@ -97,6 +100,9 @@ pub struct Options {
     /// Width and height asked of a camera, in pixels. `None`: 640 x 480. Other sources have the
     /// size they have.
     pub size: Option<(u16, u16)>,
+    /// How long a simulated scene that is not played in real time goes on, seconds. `None`: as long as it
+    /// is.
+    pub scene_s: Option<f64>,
 }
 
 /// What is known of a source once it is open.
@@ -134,6 +140,8 @@ pub enum Labels {
         /// The median time from one to the next, in seconds.
         step_s: f64,
     },
+    /// They were recorded in pairs: the nth of one camera belongs to the nth of the other.
+    Pairs,
 }
 
 /// What lies between a frame and the one delivered before it.
@@ -191,8 +199,8 @@ pub trait Source: Send {
     }
 }
 
-/// Opens what `spec` names: `/dev/videoN`, a folder of numbered PNG or JPEG frames, a .y4m file or
-/// `sim:NAME`.
+/// Opens what `spec` names: `/dev/videoN`, a folder of numbered PNG or JPEG frames, a .y4m or .mcap file
+/// or `sim:NAME`.
 ///
 /// # Errors
 /// [`SourceError::BadArgument`] when `spec` names nothing this version can read, otherwise what
@@ -203,8 +211,10 @@ pub fn open(spec: &str, options: &Options) -> Result<Box<dyn Source>, SourceErro
         Spec::Camera(path) => open_camera(spec, &path, options),
         Spec::Folder(path) => Ok(Box::new(FolderSource::open(spec, &path, options.fps)?)),
         Spec::Y4m(path) => Ok(Box::new(Y4mSource::open(spec, &path, options.fps)?)),
+        Spec::Mcap(path) => Ok(Box::new(McapSource::open(spec, &path, options.view)?)),
         Spec::Simulated { name, format } => {
-            Ok(Box::new(SimulatedSource::open(spec, &name, options.view, format)?))
+            let scene = SimulatedSource::open(spec, &name, options.view, format)?;
+            Ok(Box::new(options.scene_s.into_iter().fold(scene, SimulatedSource::lasting)))
         }
     }
 }
@@ -219,7 +229,7 @@ pub fn open_live(spec: &str, options: &Options) -> Result<Box<dyn Source>, Sourc
     match Spec::parse(spec)? {
         Spec::Camera(path) => open_camera(spec, &path, options),
         Spec::Simulated { name, format } => Ok(Box::new(LiveScene::open(spec, &name, format, options)?)),
-        Spec::Folder(_) | Spec::Y4m(_) => Ok(Box::new(Paced::new(open(spec, options)?))),
+        Spec::Folder(_) | Spec::Y4m(_) | Spec::Mcap(_) => Ok(Box::new(Paced::new(open(spec, options)?))),
     }
 }
 

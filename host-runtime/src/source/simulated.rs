@@ -45,6 +45,14 @@ impl SimulatedSource {
         };
         Ok(Self { info, scene, camera, rgb: Vec::new(), converted: Vec::new(), next_frame: 0 })
     }
+
+    /// The same scene for so many seconds: its movements go on for as long as anybody looks.
+    #[must_use]
+    pub fn lasting(mut self, seconds: f64) -> Self {
+        self.scene.frames = ((seconds * self.scene.fps).ceil() as usize).max(1);
+        self.info.frames = Some(self.scene.frames as u64);
+        self
+    }
 }
 
 impl Source for SimulatedSource {

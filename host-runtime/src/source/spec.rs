@@ -15,6 +15,8 @@ pub enum Spec {
     Folder(PathBuf),
     /// A YUV4MPEG2 film.
     Y4m(PathBuf),
+    /// A recorded session.
+    Mcap(PathBuf),
     /// A rendered scene, `sim:NAME` or `sim:NAME?format=yuyv`.
     Simulated {
         /// The scene's name.
@@ -48,7 +50,7 @@ impl Spec {
         if spec.starts_with("node:") {
             return Err(SourceError::argument(
                 spec,
-                "another station tracks by itself and sends no pictures to be tracked: name it under [[operator.camera]] in a tetrad.toml, and here give a camera, a folder, a .y4m file or sim:NAME",
+                "another station tracks by itself and sends no pictures to be tracked: name it under [[operator.camera]] in a tetrad.toml, and here give a camera, a folder, a .y4m or .mcap file or sim:NAME",
             ));
         }
         let path = Path::new(spec);
@@ -59,20 +61,15 @@ impl Spec {
             return Ok(Self::Folder(path.to_owned()));
         }
         let extension = path.extension().and_then(|text| text.to_str()).unwrap_or("").to_ascii_lowercase();
-        if extension == "mcap" {
-            return Err(SourceError::argument(
-                spec,
-                "reading recordings (.mcap) is not built in this version: give a camera, a folder, a .y4m file or sim:NAME",
-            ));
-        }
         if !path.exists() {
             return Err(SourceError::argument(
                 spec,
-                "no such file or folder: SRC is /dev/videoN, a folder of numbered PNG or JPEG frames, a .y4m file or sim:NAME",
+                "no such file or folder: SRC is /dev/videoN, a folder of numbered PNG or JPEG frames, a .y4m or .mcap file or sim:NAME",
             ));
         }
         match extension.as_str() {
             "y4m" => Ok(Self::Y4m(path.to_owned())),
+            "mcap" => Ok(Self::Mcap(path.to_owned())),
             "png" | "jpg" | "jpeg" => {
                 Err(SourceError::argument(spec, "this is a single picture: give the folder it lies in"))
             }

@@ -23,7 +23,7 @@ use crate::pipeline::CameraStart;
 use crate::robot::clock::Clock;
 use crate::settings::Start;
 use crate::settings::station::{CameraStart as Known, LocalCamera};
-use crate::source::{self, Gap, Source, SourceError, Spec};
+use crate::source::{self, Gap, Source, SourceError, SourceInfo, Spec};
 use anyhow::Context as _;
 use std::time::Duration;
 use tetrad_core::config::TrackerConfig;
@@ -90,6 +90,9 @@ pub struct CameraStation {
     source: Option<Box<dyn Source>>,
     tracker: CameraTracker,
     handle: CameraHandle,
+    /// What the tracker began with.
+    start: CameraStart,
+    info: SourceInfo,
     sequence: u32,
     /// When the last picture was taken.
     last_us: Option<u64>,
@@ -128,7 +131,8 @@ impl CameraStation {
         label: Label,
         clock: Clock,
     ) -> Result<Self, Failure> {
-        let name = source.info().name.clone();
+        let info = source.info().clone();
+        let name = info.name.clone();
         let mut tracker = CameraTracker::new(config, start.balls)
             .with_context(|| format!("{name} cannot be tracked"))
             .or_exit(Exit::BadArguments)?;
@@ -147,6 +151,8 @@ impl CameraStation {
             source: Some(source),
             tracker,
             handle,
+            start: *start,
+            info,
             sequence: 0,
             last_us: None,
             back_off: BackOff::default(),
@@ -209,6 +215,18 @@ impl CameraStation {
     #[must_use]
     pub fn handle(&self) -> CameraHandle {
         self.handle.clone()
+    }
+
+    /// What its tracker began with.
+    #[must_use]
+    pub const fn start(&self) -> &CameraStart {
+        &self.start
+    }
+
+    /// What was known of its source when it was first opened.
+    #[must_use]
+    pub const fn info(&self) -> &SourceInfo {
+        &self.info
     }
 
     /// Whether the camera is there.

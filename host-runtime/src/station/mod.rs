@@ -50,6 +50,7 @@ pub use operator::Operator;
 pub use overseer::{Overseen, Overseer, SlaveTrouble};
 pub use picture_age::{STALE_US, is_stale, picture_age_us};
 pub use picture_rate::{LineState, PictureRate};
+pub(crate) use preview::jpeg;
 pub use preview::{Marks, Preview};
 pub use resetting::{Reset, Resetting};
 pub use scene_camera::{PictureLine, SceneCameras, SceneError};

@@ -64,6 +64,8 @@ pub struct Buttons {
 /// What was made of an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatorStep {
+    /// When it was made, by the carrier's clock, microseconds.
+    pub asked_us: u64,
     /// What the cameras saw.
     pub joined: Joined,
     /// Where the hand is.
@@ -171,7 +173,7 @@ impl Operator {
                 }
                 Err(error) => turn.unsent = Some(error),
             }
-            turn.step = Some(OperatorStep { joined, hand, motion, sent });
+            turn.step = Some(OperatorStep { asked_us: now_us, joined, hand, motion, sent });
         }
         turn.arm = slave.arm_state();
         if let Some(state) = &turn.arm {

@@ -136,6 +136,14 @@ impl Shared {
     }
 }
 
+/// A picture as JPEG, as previews are.
+pub(crate) fn jpeg(view: &FrameView<'_>) -> Result<Vec<u8>, EncodingError> {
+    let canvas = Canvas::side_by_side(std::slice::from_ref(view));
+    let mut jpeg = Vec::new();
+    Encoder::new(&mut jpeg, QUALITY).encode(canvas.rgb(), view.width(), view.height(), ColorType::Rgb)?;
+    Ok(jpeg)
+}
+
 impl Job {
     fn drawn(&self, marks: Marks) -> Result<Vec<u8>, EncodingError> {
         let ObservationPacket { width, height, .. } = self.packet;

@@ -18,6 +18,8 @@ pub(super) enum Pairing {
     },
     /// Both recordings number their pictures: equal numbers belong together.
     Numbers,
+    /// They were recorded in pairs, and are in order.
+    Recorded,
     /// One of them has no numbers: the order is all there is, and a gap in one alone breaks it.
     Order,
 }
@@ -30,7 +32,8 @@ impl Pairing {
             return Self::Live { largest_skew_s: 0.5 / fps(left).min(fps(right)) };
         }
         match (left.labels, right.labels) {
-            (Labels::Order, _) | (_, Labels::Order) => Self::Order,
+            (Labels::Pairs, Labels::Pairs) => Self::Recorded,
+            (Labels::Order | Labels::Pairs, _) | (_, Labels::Order | Labels::Pairs) => Self::Order,
             (Labels::Times { step_s: left }, Labels::Times { step_s: right }) => {
                 Self::Times { largest_skew_s: 0.5 * left.min(right) }
             }
@@ -41,7 +44,7 @@ impl Pairing {
     /// Refuses two recorded frames that were not taken together; `pairs` were right before.
     pub(super) fn check(self, left: &Frame<'_>, right: &Frame<'_>, pairs: u64) -> Result<(), StreamError> {
         match self {
-            Self::Live { .. } => Ok(()),
+            Self::Live { .. } | Self::Recorded => Ok(()),
             Self::Times { largest_skew_s } => {
                 if (left.t_s - right.t_s).abs() <= largest_skew_s {
                     return Ok(());

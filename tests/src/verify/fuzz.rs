@@ -29,6 +29,10 @@ pub(super) fn node(context: &Context) -> Outcome {
     fuzz(context, "node")
 }
 
+pub(super) fn session(context: &Context) -> Outcome {
+    fuzz(context, "session")
+}
+
 pub(super) fn colours(context: &Context) -> Outcome {
     fuzz(context, "colours")
 }

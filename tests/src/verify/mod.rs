@@ -49,7 +49,7 @@ pub const CHECKS: &[Check] = &[
     },
     Check {
         name: "peers",
-        protects: "what others wrote and tests talk to is there: PyPI canopen",
+        protects: "what others wrote and tests talk to is there: PyPI canopen, mcap",
         quick: true,
         run: peers::install,
     },
@@ -160,6 +160,12 @@ pub const CHECKS: &[Check] = &[
         protects: "no colours.toml makes its parser panic",
         quick: false,
         run: fuzz::colours,
+    },
+    Check {
+        name: "fuzz-session",
+        protects: "no bytes in a session's file make its reader panic",
+        quick: false,
+        run: fuzz::session,
     },
     Check {
         name: "demo",

@@ -14,7 +14,17 @@ pub(super) fn workspace(context: &Context) -> Outcome {
 /// The golden hashes again, as a release build computes them: debug and release agree when both
 /// agree with the file.
 pub(super) fn golden_release(context: &Context) -> Outcome {
-    let golden = ["test", "--locked", "--release", "--package", "tetrad-tests", "--test", "goldens"];
+    let golden = [
+        "test",
+        "--locked",
+        "--release",
+        "--package",
+        "tetrad-tests",
+        "--test",
+        "goldens",
+        "--test",
+        "session",
+    ];
     let outcome = cargo_test(context, &golden);
     if outcome.passed == 0 && outcome.failed == 0 {
         return Outcome::fail("no golden test ran: tests/tests/goldens.rs is empty");

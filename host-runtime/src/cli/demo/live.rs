@@ -23,7 +23,9 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let scene = super::scene(&args.scene)?;
     make_results_dir(&args.out)?;
     let (operator, slave) = stations(args, &scene);
-    let console = ConsoleSettings::demo();
+    // without a recording of its own the page shows those that lie where the results go
+    let sessions = args.record.is_none().then(|| args.out.clone());
+    let console = ConsoleSettings { sessions, ..ConsoleSettings::demo() };
     let order = Order {
         station: None,
         operator: &operator,
@@ -33,6 +35,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
         hold: HoldToRun::Console,
         longest: longest(args.seconds)?,
         out: Some(&args.out),
+        record: args.record.as_deref(),
     };
     note("rendering what the cameras will see ...");
     let interrupt = Interrupt::listen()?;
@@ -69,7 +72,7 @@ pub(super) fn stations(args: &DemoArgs, scene: &Scene) -> (OperatorSettings, Sla
     };
     let eyes = CAMERAS.map(|view| SceneCameraSettings {
         place: SceneCamera::SimulatedArm,
-        options: Options { view, fps: Some(EYE_FPS), size: None },
+        options: Options { view, fps: Some(EYE_FPS), ..Options::default() },
         fps: EYE_FPS,
         quality: EYE_QUALITY,
     });

@@ -5,6 +5,7 @@ use crate::console::{Desk, SetUpCamera, SetUpPlace, onlooker};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Carrier as _, Doorbell, Link, Peer, Picture, Received};
 use crate::robot::clock::Clock;
+use crate::session::StationTape;
 use crate::settings::station::{HandCamera, HandCameraSettings};
 use crate::station::pairing::Pairing;
 use crate::station::{CameraStation, CameraThread, Label, SerialNode};
@@ -32,6 +33,8 @@ enum Place {
     Station(Peer),
     Serial(SerialNode),
     Here(CameraThread),
+    /// It is here, and its thread has not begun.
+    Opened(Box<CameraStation>),
     /// It was here, and its thread has ended.
     Over,
 }
@@ -40,14 +43,13 @@ enum Place {
 pub(super) struct Cameras(pub(super) Vec<HandEye>);
 
 impl Cameras {
-    /// Opens those that are here and starts their threads.
-    pub(super) fn start(
+    /// Opens those that are here; their threads [begin](Self::begin) later.
+    pub(super) fn open(
         settings: &[HandCameraSettings],
         link: Option<&Link>,
         session: u32,
         clock: &Clock,
         bell: &Doorbell,
-        desk: Option<&Desk>,
     ) -> Result<Self, Failure> {
         let mut eyes = Vec::new();
         for (camera, number) in settings.iter().zip(0..) {
@@ -69,12 +71,7 @@ impl Cameras {
                 }
                 HandCamera::Local(local) => {
                     let label = Label { camera: number, session };
-                    let station = CameraStation::open(local, label, clock.clone())?;
-                    let onlooker = desk.map(|desk| onlooker(desk, usize::from(number))).transpose();
-                    let onlooker =
-                        onlooker.context("a preview's thread cannot be started").or_exit(Exit::Failed)?;
-                    let thread = CameraThread::start(station, ring, onlooker);
-                    Place::Here(thread.context("a camera's thread cannot be started").or_exit(Exit::Failed)?)
+                    Place::Opened(Box::new(CameraStation::open(local, label, clock.clone())?))
                 }
             };
             eyes.push(HandEye { name: name(camera), place, heard_us: None, count: 0, last: None });
@@ -98,7 +95,7 @@ impl Cameras {
                 Place::Serial(_) => SetUpPlace::Elsewhere(
                     "this is a smart camera, which learns its balls itself: see what came with it",
                 ),
-                Place::Over => SetUpPlace::Elsewhere("this recording is over"),
+                Place::Opened(_) | Place::Over => SetUpPlace::Elsewhere("this recording is over"),
             };
             SetUpCamera { name: eye.name.clone(), place }
         };
@@ -109,7 +106,7 @@ impl Cameras {
     pub(super) fn pictures(&self) -> impl Iterator<Item = (usize, Received<Picture>)> {
         self.0.iter().enumerate().filter_map(|(at, eye)| match &eye.place {
             Place::Station(peer) => Some((at, peer.picture(CAMERA)?)),
-            Place::Serial(_) | Place::Here(_) | Place::Over => None,
+            Place::Serial(_) | Place::Here(_) | Place::Opened(_) | Place::Over => None,
         })
     }
 
@@ -127,6 +124,39 @@ impl Cameras {
         self.0.iter().enumerate().map(view).collect()
     }
 
+    /// Those that are here and have not begun, by their place in the list.
+    pub(super) fn opened(&self) -> impl Iterator<Item = (usize, &CameraStation)> {
+        self.0.iter().enumerate().filter_map(|(at, eye)| match &eye.place {
+            Place::Opened(station) => Some((at, station.as_ref())),
+            _ => None,
+        })
+    }
+
+    /// Starts the threads of those that are here; `desk` and `tape`, where there are any, see their pictures.
+    pub(super) fn begin(
+        &mut self,
+        bell: &Doorbell,
+        desk: Option<&Desk>,
+        tape: Option<&StationTape>,
+    ) -> Result<(), Failure> {
+        for (at, eye) in self.0.iter_mut().enumerate() {
+            eye.place = match std::mem::replace(&mut eye.place, Place::Over) {
+                Place::Opened(station) => {
+                    let shown = desk.map(|desk| onlooker(desk, at)).transpose();
+                    let shown =
+                        shown.context("a preview's thread cannot be started").or_exit(Exit::Failed)?;
+                    let kept = tape.map(|tape| tape.onlooker(at));
+                    let bell = bell.clone();
+                    let onlookers = kept.into_iter().chain(shown).collect();
+                    let thread = CameraThread::start(*station, move || bell.ring(), onlookers);
+                    Place::Here(thread.context("a camera's thread cannot be started").or_exit(Exit::Failed)?)
+                }
+                other => other,
+            };
+        }
+        Ok(())
+    }
+
     /// What there is to tell of those that are here.
     pub(super) fn notices(&self) -> Vec<String> {
         self.0
@@ -134,7 +164,7 @@ impl Cameras {
             .flat_map(|eye| match &eye.place {
                 Place::Serial(node) => node.take_notices(),
                 Place::Here(thread) => thread.take_notices(),
-                Place::Station(_) | Place::Over => Vec::new(),
+                Place::Station(_) | Place::Opened(_) | Place::Over => Vec::new(),
             })
             .collect()
     }
@@ -171,7 +201,7 @@ impl HandEye {
             Place::Station(peer) => peer.observation(CAMERA),
             Place::Serial(node) => node.observation(),
             Place::Here(thread) => thread.observation(),
-            Place::Over => None,
+            Place::Opened(_) | Place::Over => None,
         };
         if let Some(observation) = &observation {
             self.heard_us = Some(observation.received_us);
@@ -192,7 +222,7 @@ impl HandEye {
                     counts.lost, counts.damaged, counts.other
                 );
             }
-            Place::Here(_) | Place::Over => return String::new(),
+            Place::Here(_) | Place::Opened(_) | Place::Over => return String::new(),
         };
         let counts = peer.stats().received.observations[usize::from(CAMERA)];
         format!(", {:.1} % lost, {} late, {} overtaken", counts.loss() * 100.0, counts.late, counts.overtaken)

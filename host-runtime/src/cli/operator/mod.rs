@@ -17,6 +17,7 @@ mod publish;
 mod record;
 mod report;
 mod run;
+mod session;
 mod slave;
 mod talk;
 
@@ -60,7 +61,8 @@ held, any other key stops it at once, q ends the program.
 With --out, DIR gets pose.csv and filtered.csv (the hand), arm_state.csv (what the slave says),
 sent.csv (when each motion passed the stages here), delays.csv, arm.csv where the arm is here, and the newest
 pictures of the slave's cameras, left.jpg and right.jpg, with pictures.csv, which says how old they are and
-whether they are stale. docs/stations.md lists the keys of tetrad.toml.";
+whether they are stale. With --record, one file has the pictures of the cameras that are here, what was seen, the
+hand, the arm and the buttons (docs/sessions.md). docs/stations.md lists the keys of tetrad.toml.";
 
 /// Who holds the button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -88,6 +90,9 @@ pub(super) struct OperatorArgs {
     /// Where the results go; made if missing
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Keep everything in this session, for `tetrad replay`; an older one of that name is lost
+    #[arg(long, value_name = "FILE.mcap")]
+    record: Option<PathBuf>,
 }
 
 /// The longest run that can be asked for: a day.
@@ -106,6 +111,7 @@ pub(super) fn run(args: &OperatorArgs) -> Result<(), Failure> {
         hold: args.hold_to_run,
         longest: longest(args.seconds)?,
         out: args.out.as_deref(),
+        record: args.record.as_deref(),
     };
     let interrupt = Interrupt::listen()?;
     tell_aside()?;
@@ -133,6 +139,8 @@ pub(super) struct Order<'a> {
     pub(super) hold: HoldToRun,
     pub(super) longest: Option<Duration>,
     pub(super) out: Option<&'a Path>,
+    /// The session that is recorded.
+    pub(super) record: Option<&'a Path>,
 }
 
 impl Order<'_> {
@@ -181,7 +189,12 @@ impl Order<'_> {
         let station = Operator::new(&config(operator)?, session).or_exit(Exit::BadArguments)?;
         let console = self.console(&clock, &bell)?;
         let desk = console.as_ref().map(|(_, desk)| desk);
-        let cameras = Cameras::start(&operator.cameras, link.as_ref(), session, &clock, &bell, desk)?;
+        let mut cameras = Cameras::open(&operator.cameras, link.as_ref(), session, &clock, &bell)?;
+        let tape = match self.record {
+            Some(path) => Some(session::start(path, operator, &cameras, &clock)?),
+            None => None,
+        };
+        cameras.begin(&bell, desk, tape.as_ref())?;
         if let Some(desk) = desk {
             let file = self.station.map(|station| station.file.clone());
             desk.set_up_with(SetUp::new(cameras.to_set_up(&operator.cameras), operator.arm_m, file));
@@ -203,19 +216,22 @@ impl Order<'_> {
         if let Some((console, _)) = &console {
             opened(console);
         }
-        Ok(Run::new(Parts { station, cameras, slave, hold, link, bell, clock, record, console, memory }))
+        let parts = Parts { station, cameras, slave, hold, link, bell, clock, record, tape, console, memory };
+        Ok(Run::new(parts))
     }
 
     /// The console, with a view for each camera.
     fn console(&self, clock: &Clock, bell: &Doorbell) -> Result<Option<(Console, Desk)>, Failure> {
         let Some(settings) = self.console else { return Ok(None) };
+        let mut settings = settings.clone();
+        settings.sessions = settings.sessions.take().or_else(|| Some(folder_of(self.record?)));
         let hands = self.operator.cameras.iter().map(|camera| (cameras::name(camera), ViewKind::Hand));
         let eyes = pictures::EYES.map(|eye| (format!("{eye} eye"), ViewKind::Eye));
         let drives = self.hold == HoldToRun::Console;
         let desk = Desk::new(drives, hands.chain(eyes).collect(), clock.clone(), bell.clone());
         let station = self.station.cloned();
         desk.check_by(Box::new(move || super::check::checklist(station.as_ref())));
-        let console = Console::start(settings, desk.clone()).map_err(|error| {
+        let console = Console::start(&settings, desk.clone()).map_err(|error| {
             let exit = match &error {
                 ConsoleError::Listen(..) => Exit::DeviceLost,
                 ConsoleError::Thread(_) => Exit::Failed,
@@ -227,6 +243,12 @@ impl Order<'_> {
         })?;
         Ok(Some((console, desk)))
     }
+}
+
+/// The folder that a file lies in.
+fn folder_of(file: &Path) -> PathBuf {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    folder.unwrap_or_else(|| Path::new(".")).to_owned()
 }
 
 fn no_operator(settings: &StationSettings) -> Failure {

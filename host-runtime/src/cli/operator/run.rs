@@ -7,6 +7,7 @@ use super::pictures::{self, Pictures};
 use super::publish::{Publisher, Scene};
 use super::record::Record;
 use super::report::{self, Memory};
+use super::session;
 use super::slave::SlaveLine;
 use super::talk::{SILENT_US, SLAVE, Talk};
 use crate::cli::interrupt::Interrupt;
@@ -16,6 +17,7 @@ use crate::exit::{Exit, Failure};
 use crate::link::{Carrier as _, Doorbell, Link, Watch};
 use crate::output::OutputError;
 use crate::robot::clock::Clock;
+use crate::session::StationTape;
 use crate::station::operator::{Buttons, OperatorTurn};
 use crate::station::{Operator, SlaveAnnouncement, arm_words};
 use std::time::{Duration, Instant};
@@ -46,6 +48,8 @@ pub(super) struct Parts {
     pub(super) clock: Clock,
     pub(super) record: Option<Record>,
     pub(super) console: Option<(Console, Desk)>,
+    /// The session that is recorded.
+    pub(super) tape: Option<StationTape>,
     /// The program's memory before it began, kB.
     pub(super) memory: Option<u64>,
 }
@@ -65,6 +69,8 @@ pub(super) struct Run {
     arm: Option<ArmStatePacket>,
     /// What a slave of this process came to.
     slave_lines: Vec<(&'static str, String)>,
+    /// What the session came to.
+    tape_lines: Vec<String>,
 }
 
 impl Run {
@@ -89,6 +95,7 @@ impl Run {
             resets: 0,
             arm: None,
             slave_lines: Vec::new(),
+            tape_lines: Vec::new(),
         }
     }
 
@@ -143,13 +150,23 @@ impl Run {
                 "whether its joints are homed is for somebody at the arm to say: h at the slave's terminal"
             });
         }
+        let mut came = Vec::new();
         for (at, camera) in self.parts.cameras.0.iter_mut().enumerate() {
             if let Some(observation) = camera.observation() {
                 self.parts.station.observe(at, &observation);
+                if self.parts.tape.is_some() {
+                    came.push((at, observation));
+                }
             }
         }
         let buttons = self.buttons(now_us);
         let turn = self.parts.station.step(&self.parts.slave, buttons, &self.parts.clock);
+        // what moves the arm has gone before anything is written
+        if let Some(tape) = &mut self.parts.tape {
+            came.iter().for_each(|(at, observation)| tape.observed(*at, observation));
+            tape.buttons(buttons, now_us);
+            tape.turn(&turn);
+        }
         self.tell(&turn)?;
         if now_us.saturating_sub(self.chores_us) >= CHORES_US {
             self.chores_us = now_us;
@@ -249,6 +266,14 @@ impl Run {
         let heard = self.parts.cameras.0.iter().map(|camera| (camera.name.as_str(), camera.heard_us));
         let links: Vec<_> = heard.chain([(SLAVE, self.slave_heard_us)]).collect();
         let live = self.talk.live(&links, self.pictures.ages(now_us), now_us);
+        if let Some(tape) = &mut self.parts.tape {
+            tape.delays(self.parts.station.delays(), now_us);
+            lines.iter().chain(&live).for_each(|line| tape.said(line, now_us));
+            lines.extend(
+                tape.take_failure()
+                    .map(|error| format!("{:#}; the run goes on without", anyhow::Error::new(error))),
+            );
+        }
         for line in &lines {
             self.print(line);
         }
@@ -306,6 +331,9 @@ impl Run {
     }
 
     fn finish_record(&mut self) -> Result<(), OutputError> {
+        if let Some(tape) = self.parts.tape.take() {
+            self.tape_lines = session::lines(&tape.finish());
+        }
         self.pictures.end(self.parts.clock.now_us())?;
         let Some(record) = &mut self.parts.record else { return Ok(()) };
         let lost = record.end(self.parts.station.delays())?;
@@ -353,6 +381,7 @@ impl Run {
     pub(super) fn end(self) -> Vec<String> {
         let Parts { station, cameras, slave, link, .. } = &self.parts;
         let mut lines = report::lines(station, cameras, slave, link.as_ref(), &self.pictures, self.memory);
+        lines.extend(self.tape_lines.iter().cloned());
         lines.extend(self.slave_lines.iter().map(|(label, line)| format!("{label:<15} {line}")));
         lines
     }

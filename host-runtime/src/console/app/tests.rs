@@ -36,7 +36,7 @@ fn request(method: Method, path: &str, headers: &[(&str, &str)]) -> Request<Body
 }
 
 async fn ask(desk: &Desk, access: &Access, request: Request<Body>) -> Response {
-    app(desk.clone(), access.clone()).oneshot(request).await.unwrap()
+    app(desk.clone(), access.clone(), None).oneshot(request).await.unwrap()
 }
 
 async fn get_of(path: &str, headers: &[(&str, &str)], access: &Access) -> StatusCode {
@@ -302,7 +302,8 @@ async fn a_body_that_never_comes_is_not_waited_for() {
     let mut slow = request(Method::POST, "/sign-in", &[("content-length", "10")]);
     *slow.body_mut() = Body::from_stream(futures_util::stream::pending::<Result<Vec<u8>, std::io::Error>>());
     let (access, web_sockets) = (Arc::new(with_token()), Arc::new(Semaphore::new(1)));
-    let state = State { desk: desk(), access, web_sockets, within: Duration::from_millis(10) };
+    let state =
+        State { desk: desk(), access, sessions: None, web_sockets, within: Duration::from_millis(10) };
     let answer = routes(state).oneshot(slow).await.unwrap();
     assert_eq!(answer.status(), StatusCode::REQUEST_TIMEOUT);
 }

@@ -52,7 +52,7 @@ const LETTERS = { red: "R", green: "G", blue: "B", yellow: "Y" };
 const DASHES = { visible: [], occluded: [8, 4], predicted: [2, 4] };
 const WINDOW_DASH = [1, 3];
 
-function draw(canvas, picture, balls) {
+export function draw(canvas, picture, balls) {
   if (canvas.width !== picture.width || canvas.height !== picture.height) {
     canvas.width = picture.width;
     canvas.height = picture.height;

@@ -106,7 +106,7 @@ impl CameraToml {
             }
             size => size.map(|[width, height]| (width, height)),
         };
-        let options = Options { view, fps, size };
+        let options = Options { view, fps, size, scene_s: None };
         let source = located(&self.source, dir);
         check_live(&source, &options).map_err(|error| (at("source"), error.to_string()))?;
         let start = self.start(key, view, dir)?;

@@ -17,6 +17,7 @@ pub(in crate::settings) struct ConsoleToml {
     key: Option<PathBuf>,
     #[serde(default)]
     names: Vec<String>,
+    sessions: Option<PathBuf>,
 }
 
 /// The operator's console.
@@ -32,6 +33,8 @@ pub struct ConsoleSettings {
     pub tls: Option<ConsoleTls>,
     /// Names that it is known by beside its addresses, lower case.
     pub names: Vec<String>,
+    /// The folder with the sessions that it shows; the one where the operator records, where none is given.
+    pub sessions: Option<PathBuf>,
 }
 
 /// Which port is meant.
@@ -62,6 +65,7 @@ impl ConsoleSettings {
             token_file: None,
             tls: None,
             names: Vec::new(),
+            sessions: None,
         }
     }
 }
@@ -115,6 +119,7 @@ impl ConsoleToml {
             token_file: self.token_file.as_ref().map(|file| dir.join(file)),
             tls,
             names: self.names.iter().map(|name| name.to_ascii_lowercase()).collect(),
+            sessions: self.sessions.as_ref().map(|folder| dir.join(folder)),
         })
     }
 }
@@ -132,6 +137,8 @@ mod tests {
         let console = checked("listen = \"127.0.0.1:8080\"").unwrap();
         assert_eq!(console, ConsoleSettings { port: ConsolePort::Given, ..ConsoleSettings::demo() });
         assert!(checked("listen = \"[::1]:0\"\ntoken_file = \"token\"").is_ok());
+        let console = checked("listen = \"127.0.0.1:8080\"\nsessions = \"kept\"").unwrap();
+        assert_eq!(console.sessions, Some("/etc/tetrad/kept".into()));
     }
 
     #[test]

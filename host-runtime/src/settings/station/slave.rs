@@ -115,7 +115,7 @@ impl SceneCameraToml {
             None if index == 0 => View::Left,
             None => View::Right,
         };
-        let options = Options { view, fps: Some(fps), size };
+        let options = Options { view, fps: Some(fps), size, scene_s: None };
         let place = match self.source.as_str() {
             "sim:arm" => SceneCamera::SimulatedArm,
             source => {

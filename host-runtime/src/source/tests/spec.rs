@@ -27,7 +27,7 @@ fn what_cannot_be_read_is_a_bad_argument_that_says_what_can() {
     let inside = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     for (spec, words) in [
         ("node:7", vec!["node:7", "[[operator.camera]]"]),
-        ("session.mcap", vec!["session.mcap", "not built in this version"]),
+        ("session.mcap", vec!["session.mcap", "no such file"]),
         ("no/such/folder", vec!["no/such/folder", "no such file or folder", "sim:NAME"]),
         ("", vec!["no such file or folder"]),
         ("sim:demo?format=grey", vec!["'grey'", "yuyv"]),

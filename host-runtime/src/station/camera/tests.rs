@@ -228,7 +228,7 @@ fn a_scene_is_opened_in_real_time_and_knows_its_balls() {
     };
     let station = CameraStation::open(&camera, LABEL, Clock::wall()).unwrap();
     let (rung, rings) = std::sync::mpsc::channel();
-    let thread = CameraThread::start(station, move || rung.send(()).unwrap(), None).unwrap();
+    let thread = CameraThread::start(station, move || rung.send(()).unwrap(), Vec::new()).unwrap();
     let mut last = None;
     for _ in 0..5 {
         rings.recv_timeout(Duration::from_secs(60)).unwrap();

@@ -22,15 +22,15 @@ pub struct CameraThread {
 type Ended = (CameraCounts, Result<(), Failure>);
 
 impl CameraThread {
-    /// Starts it; `ring` wakes the operator's loop whenever there are new observations, and `onlooker` is
-    /// lent each picture after that.
+    /// Starts it; `ring` wakes the operator's loop whenever there are new observations, and the
+    /// `onlookers` are lent each picture after that, one after the other.
     ///
     /// # Errors
     /// The system has no thread left.
     pub fn start(
         station: CameraStation,
         ring: impl Fn() + Send + 'static,
-        onlooker: Option<Onlooker>,
+        onlookers: Vec<Onlooker>,
     ) -> io::Result<Self> {
         let newest = Arc::new(Newest::default());
         let handle = station.handle();
@@ -38,7 +38,7 @@ impl CameraThread {
         let theirs = (Arc::clone(&newest), Arc::clone(&stop));
         let thread = std::thread::Builder::new()
             .name("camera".to_owned())
-            .spawn(move || run(station, Place { newest: &theirs.0, ring: &ring, onlooker }, &theirs.1))?;
+            .spawn(move || run(station, Place { newest: &theirs.0, ring: &ring, onlookers }, &theirs.1))?;
         Ok(Self { newest, handle, stop, thread: Some(thread) })
     }
 
@@ -95,7 +95,7 @@ impl Drop for CameraThread {
 struct Place<'a> {
     newest: &'a Newest,
     ring: &'a dyn Fn(),
-    onlooker: Option<Onlooker>,
+    onlookers: Vec<Onlooker>,
 }
 
 impl CameraSink for Place<'_> {
@@ -107,7 +107,7 @@ impl CameraSink for Place<'_> {
     }
 
     fn pictured(&mut self, picture: &FrameView<'_>, packet: &ObservationPacket, windows: &Windows) {
-        if let Some(onlooker) = &mut self.onlooker {
+        for onlooker in &mut self.onlookers {
             onlooker(picture, packet, windows);
         }
     }

@@ -57,7 +57,12 @@ impl Kept {
 }
 
 fn camera(place: SceneCamera, view: View, fps: f64) -> SceneCameraSettings {
-    SceneCameraSettings { place, options: Options { view, fps: Some(fps), size: None }, fps, quality: 80 }
+    SceneCameraSettings {
+        place,
+        options: Options { view, fps: Some(fps), ..Options::default() },
+        fps,
+        quality: 80,
+    }
 }
 
 fn pixels(picture: &Picture) -> Vec<u8> {

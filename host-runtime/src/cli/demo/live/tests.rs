@@ -26,7 +26,7 @@ fn args(out: &Path) -> DemoArgs {
     let filter =
         FilterArgs { smoothing: SmoothingFlag::OneEuro, lead_ms: 0, prediction: PredictionFlag::Velocity };
     let (scene, mode) = ("demo".to_owned(), Mode::Refined);
-    DemoArgs { seconds: None, headless: false, out: out.to_owned(), scene, mode, filter }
+    DemoArgs { seconds: None, headless: false, out: out.to_owned(), scene, mode, filter, record: None }
 }
 
 /// A page whose button is held.
@@ -134,6 +134,7 @@ impl Demo {
                 hold: HoldToRun::Console,
                 longest: None,
                 out: Some(&out),
+                record: None,
             };
             order.carry_out(&interrupt, |console| told.send(console.address()).unwrap())
         });

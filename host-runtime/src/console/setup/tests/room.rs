@@ -72,7 +72,7 @@ pub(super) fn room() -> Room {
         let label = Label { camera: index as u8, session: 1 };
         let open = Box::new(|| panic!("it is opened once"));
         let station = CameraStation::of(source, open, &start, TrackerConfig::paper(), label, clock.clone());
-        let thread = CameraThread::start(station.unwrap(), || {}, None).unwrap();
+        let thread = CameraThread::start(station.unwrap(), || {}, Vec::new()).unwrap();
         // the right one has no file
         let file = (index == 0).then(|| dir.path().join("colours-left.toml"));
         let place = SetUpPlace::Here { handle: thread.handle().clone(), source: name.to_owned(), file };
@@ -158,7 +158,7 @@ impl Room {
 pub(super) async fn bytes(desk: &Desk, method: Method, path: &str, body: String) -> (StatusCode, Vec<u8>) {
     let request = Request::builder().method(method).uri(path).header("host", "127.0.0.1:8080");
     let request = request.body(Body::from(body)).unwrap();
-    let answer = app(desk.clone(), Access::loopback()).oneshot(request).await.unwrap();
+    let answer = app(desk.clone(), Access::loopback(), None).oneshot(request).await.unwrap();
     let status = answer.status();
     (status, to_bytes(answer.into_body(), 1 << 24).await.unwrap().to_vec())
 }

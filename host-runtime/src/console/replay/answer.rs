@@ -1,0 +1,194 @@
+//! What pages are told of a session.
+
+use crate::console::snapshot::BallView;
+use crate::session::{CameraThen, Index, Moment, Topic, moments};
+use serde::Serialize;
+
+/// What a session is of.
+#[derive(Debug, Serialize)]
+pub(super) struct About {
+    name: String,
+    bytes: u64,
+    version: String,
+    mode: &'static str,
+    arm_mm: Option<f32>,
+    /// When it began: Unix time for live cameras, else the scene's own.
+    began_unix_us: u64,
+    /// From the first message to the last.
+    length_us: u64,
+    /// Moments that it is stepped through by.
+    moments: usize,
+    /// Whether the file has no end.
+    cut: bool,
+    cameras: Vec<CameraAbout>,
+    topics: Vec<TopicAbout>,
+}
+
+#[derive(Debug, Serialize)]
+struct CameraAbout {
+    name: String,
+    source: String,
+    width: u16,
+    height: u16,
+    pictures: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct TopicAbout {
+    name: String,
+    messages: usize,
+}
+
+impl About {
+    pub(super) fn of(name: &str, bytes: u64, index: &Index) -> Self {
+        let beginning = index.beginning();
+        let (first_us, last_us) = index.span_us().unwrap_or_default();
+        let cameras = beginning.cameras.iter().enumerate().map(|(at, camera)| {
+            let (width, height) = camera.pictures.as_ref().map_or((0, 0), |pictures| pictures.size);
+            CameraAbout {
+                name: camera.name.clone(),
+                source: camera.source.clone(),
+                width,
+                height,
+                pictures: index.of(Topic::Image(at)).len(),
+            }
+        });
+        let topics = index
+            .topics()
+            .map(|(topic, spots)| TopicAbout { name: topic.name(index.names()), messages: spots.len() });
+        Self {
+            name: name.to_owned(),
+            bytes,
+            version: index.version().to_owned(),
+            mode: beginning.mode.name(),
+            arm_mm: beginning.arm_m.map(|m| m * 1e3),
+            began_unix_us: beginning.epoch_us.saturating_add(first_us),
+            length_us: last_us - first_us,
+            moments: moments(index).len(),
+            cut: index.cut(),
+            cameras: cameras.collect(),
+            topics: topics.collect(),
+        }
+    }
+}
+
+/// What was known at a moment. Times are microseconds after the session began, ages before the moment.
+#[derive(Debug, Serialize)]
+pub(super) struct At {
+    t_us: u64,
+    /// The place of the step that it is in, from 1; 0 before the first.
+    number: usize,
+    /// Where the steps around it begin.
+    previous_us: Option<u64>,
+    next_us: Option<u64>,
+    cameras: Vec<CameraAt>,
+    hand: Option<HandAt>,
+    arm: Option<ArmAt>,
+    buttons: Option<ButtonsAt>,
+    lines: Vec<LineAt>,
+}
+
+#[derive(Debug, Serialize)]
+struct CameraAt {
+    /// `None`: there is no picture of it.
+    age_us: Option<u64>,
+    /// `None`: nothing that was seen in it is recorded.
+    balls: Option<Vec<BallView>>,
+}
+
+#[derive(Debug, Serialize)]
+struct HandAt {
+    age_us: u64,
+    state: &'static str,
+    position_mm: Option<[f32; 3]>,
+    /// The rotation row by row.
+    rotation: Option<[f32; 9]>,
+    residual_px: Option<f32>,
+    refusal: String,
+}
+
+#[derive(Debug, Serialize)]
+struct ArmAt {
+    age_us: u64,
+    state: String,
+    standing: String,
+    slowed: Vec<String>,
+    speed_share: f32,
+    command_age_us: Option<u64>,
+    joints_deg: Vec<f32>,
+    set_point_deg: Vec<f32>,
+}
+
+#[derive(Debug, Serialize)]
+struct ButtonsAt {
+    pressed: bool,
+    stop: bool,
+    resets: u32,
+}
+
+#[derive(Debug, Serialize)]
+struct LineAt {
+    t_us: u64,
+    text: String,
+}
+
+impl At {
+    pub(super) fn of(index: &Index, moment: &Moment, t_us: u64) -> Self {
+        let (began_us, _) = index.span_us().unwrap_or_default();
+        let at_us = began_us.saturating_add(t_us);
+        let age = |time_us: u64| at_us.saturating_sub(time_us);
+        let since = |time_us: u64| time_us.saturating_sub(began_us);
+        let steps = moments(index);
+        let number = steps.partition_point(|spot| spot.time_us <= at_us);
+        let step = |at: Option<usize>| at.and_then(|at| steps.get(at)).map(|spot| since(spot.time_us));
+        let degrees = |joints: &[f32]| joints.iter().map(|q| q.to_degrees()).collect();
+        Self {
+            t_us,
+            number,
+            previous_us: step(number.checked_sub(2)),
+            next_us: step(Some(number)),
+            cameras: moment.cameras.iter().map(|camera| CameraAt::of(camera, at_us)).collect(),
+            hand: moment.hand.as_ref().map(|hand| HandAt {
+                age_us: age(hand.time_us),
+                state: hand.state.name(),
+                position_mm: hand.pose.map(|pose| (pose.translation * 1e3).into()),
+                rotation: hand.pose.map(|pose| {
+                    let mut rows = [0.0; 9];
+                    rows.iter_mut().zip(pose.rotation.transpose().iter()).for_each(|(to, from)| *to = *from);
+                    rows
+                }),
+                residual_px: hand.residual_px,
+                refusal: hand.refusal.clone(),
+            }),
+            arm: moment.arm.as_ref().map(|(time_us, arm)| ArmAt {
+                age_us: age(*time_us),
+                state: arm.state.clone(),
+                standing: arm.standing.clone(),
+                slowed: arm.slowed.clone(),
+                speed_share: arm.speed_share,
+                command_age_us: arm.command_age_us,
+                joints_deg: degrees(&arm.measured),
+                set_point_deg: degrees(&arm.set_point),
+            }),
+            buttons: moment.buttons.as_ref().map(|buttons| ButtonsAt {
+                pressed: buttons.pressed,
+                stop: buttons.stop,
+                resets: buttons.resets,
+            }),
+            lines: moment
+                .lines
+                .iter()
+                .map(|(time_us, text)| LineAt { t_us: since(*time_us), text: text.clone() })
+                .collect(),
+        }
+    }
+}
+
+impl CameraAt {
+    fn of(camera: &CameraThen, at_us: u64) -> Self {
+        Self {
+            age_us: camera.picture_us.map(|time_us| at_us.saturating_sub(time_us)),
+            balls: camera.seen.as_ref().map(|(_, balls)| BallView::all(balls)),
+        }
+    }
+}
