@@ -13,6 +13,7 @@ mod others;
 mod pages;
 mod program;
 mod proxy;
+mod setup;
 mod start;
 mod stops;
 mod strangers;
