@@ -58,7 +58,9 @@ export class SetUpView {
       show.setAttribute("aria-pressed", "false");
       show.setAttribute("aria-label", `${this.name}: show what would be mistaken for the ${ball} ball`);
       show.addEventListener("click", () => this.#toggle(ball));
-      row.append(name, patches[0], looks[0], " before ", patches[1], looks[1], how, show, words);
+      const line = make("div", "line");
+      line.append(name, patches[0], looks[0], " before ", patches[1], looks[1], how);
+      row.append(line, words, show);
       this.list.append(row);
       return { patches, looks, how, words, show };
     });
@@ -111,7 +113,7 @@ export class SetUpView {
         write(looks[which], colour?.name ?? "not known");
       });
       write(how, ball.how ? `(${ball.how})` : "");
-      write(words, ball.clash ?? "take a still picture, or find the balls, to see how this does");
+      write(words, ball.clash ?? "not looked at in a still picture yet");
       words.classList.toggle("bad", Boolean(ball.clash) && !ball.clash.startsWith("well apart"));
       show.hidden = !camera.still || !ball.how;
     });
