@@ -21,7 +21,7 @@ fuzz_target!(|data: &[u8]| {
             let _ = lookup.picture(0, spot.time_us, |view| view.pixel(0, 0));
         }
     }
-    while let Ok(Some(entry)) = reader.next() {
+    while let Ok(Some(entry)) = reader.next_entry() {
         match entry.topic {
             Topic::Image(_) => drop(reader.decode::<RawImage>(&entry)),
             Topic::Observations(_) => drop(reader.decode::<Observations>(&entry)),

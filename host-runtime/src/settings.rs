@@ -132,7 +132,7 @@ pub struct CameraSettings {
     pub name: &'static str,
     /// Where its pictures come from.
     pub source: String,
-    /// How its balls are first known: exactly [`TrackSettings::balls`].
+    /// How its balls are first known: exactly [`InputSettings::balls`].
     pub start: Start,
     /// Its nominal focal length in pixels, where one was given.
     pub focal_px: Option<f32>,

@@ -107,7 +107,7 @@ fn sixty_seconds_replay_to_the_same_bits_in_every_build() {
 fn rewritten(from: &Path, to: &Path, frame: u32, change: impl Fn(&mut Vec<u8>)) {
     let mut reader = Reader::open(from).unwrap();
     let tape = Tape::start(to, &reader.beginning().message()).unwrap();
-    while let Some(entry) = reader.next().unwrap() {
+    while let Some(entry) = reader.next_entry().unwrap() {
         let mut bytes = entry.bytes;
         if entry.topic == Topic::Image(1) && entry.sequence == frame {
             change(&mut bytes);
@@ -156,7 +156,7 @@ fn others_read_every_channel() {
     let names = reader.names().to_vec();
     let mut counts: BTreeMap<String, u64> = BTreeMap::from([("/configuration".to_owned(), 1)]);
     let (mut balls, mut hands, mut firsts) = (Vec::new(), Vec::new(), Vec::new());
-    while let Some(entry) = reader.next().unwrap() {
+    while let Some(entry) = reader.next_entry().unwrap() {
         *counts.entry(entry.topic.name(&names)).or_default() += 1;
         match entry.topic {
             Topic::Observations(0) => {

@@ -43,7 +43,7 @@ pub enum ExportError {
 /// [`ExportError`].
 pub fn export(reader: &mut Reader, dir: &Path) -> Result<(), ExportError> {
     let mut export = Export::new(reader, dir);
-    while let Some(entry) = reader.next()? {
+    while let Some(entry) = reader.next_entry()? {
         export.take(reader, &entry)?;
     }
     Ok(())

@@ -150,7 +150,7 @@ impl Reader {
     ///
     /// # Errors
     /// [`SessionError::Damaged`] or [`SessionError::Read`].
-    pub fn next(&mut self) -> Result<Option<Entry>, SessionError> {
+    pub fn next_entry(&mut self) -> Result<Option<Entry>, SessionError> {
         while let Some(found) = self.records.next(&self.path)? {
             match found {
                 Found::Channel { id, topic, encoding } => {

@@ -66,14 +66,14 @@ pub fn replay<E: From<SessionError>>(
     let mut outcome = match beginning.chain {
         msg::Chain::Stations => {
             let mut stations = Stations::new(&beginning).map_err(refused)?;
-            while let Some(entry) = reader.next()? {
+            while let Some(entry) = reader.next_entry()? {
                 stations.take(reader, &entry, &mut sink)?;
             }
             stations.finish()
         }
         msg::Chain::Pairs | msg::Chain::Unknown => {
             let mut pairs = Pairs::new(&beginning).map_err(refused)?;
-            while let Some(entry) = reader.next()? {
+            while let Some(entry) = reader.next_entry()? {
                 pairs.take(reader, &entry, &mut sink)?;
             }
             pairs.finish()

@@ -87,7 +87,7 @@ pub struct Summary {
 /// A file that cannot be read on.
 pub fn report(reader: &mut Reader, title: &str) -> Result<Report, SessionError> {
     let mut summary = Summary::default();
-    while let Some(entry) = reader.next()? {
+    while let Some(entry) = reader.next_entry()? {
         summary.take(reader, &entry)?;
     }
     Ok(summary.report(reader, title))

@@ -85,7 +85,7 @@ impl McapSource {
         if self.most.is_some_and(|most| self.delivered >= most) {
             return Ok(None);
         }
-        while let Some(entry) = self.reader.next()? {
+        while let Some(entry) = self.reader.next_entry()? {
             if entry.topic == Topic::Image(self.camera) {
                 self.image = self.reader.decode(&entry)?;
                 return Ok(Some((entry.time_us, entry.sequence, entry.at)));
@@ -138,7 +138,7 @@ fn count(path: &Path, camera: usize, in_pairs: bool) -> Result<u64, SessionError
     let cameras: Vec<bool> =
         reader.beginning().cameras.iter().map(|camera| camera.pictures.is_some()).collect();
     let mut counts = vec![0; cameras.len()];
-    while let Some(entry) = reader.next()? {
+    while let Some(entry) = reader.next_entry()? {
         if let Topic::Image(at) = entry.topic
             && let Some(count) = counts.get_mut(at)
         {

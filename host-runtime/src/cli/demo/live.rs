@@ -54,13 +54,13 @@ pub(super) fn stations(args: &DemoArgs, scene: &Scene) -> (OperatorSettings, Sla
     let source = format!("sim:{}", scene.name);
     let cameras = CAMERAS.map(|view| HandCameraSettings {
         source: source.clone(),
-        place: HandCamera::Local(LocalCamera {
+        place: HandCamera::Local(Box::new(LocalCamera {
             source: source.clone(),
             options: Options { view, ..Options::default() },
             start: CameraStart::OfScene,
             focal_px: None,
             mode: args.mode,
-        }),
+        })),
         colours: Some(args.out.join(format!("colours-{}.toml", view.name()))),
         focal_px: None,
     });

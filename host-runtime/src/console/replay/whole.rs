@@ -118,7 +118,7 @@ impl Shared {
         let mut reader = Reader::open(path)?;
         let mut export = Export::new(&reader, dir);
         let mut summary = Summary::default();
-        while let Some(entry) = reader.next()? {
+        while let Some(entry) = reader.next_entry()? {
             anyhow::ensure!(!self.given_up.load(Ordering::Relaxed), "another session was asked for");
             match export.take(&reader, &entry) {
                 Ok(()) => {}

@@ -43,7 +43,7 @@ fn read(path: &Path) -> (u32, Result<bool, String>) {
     assert_eq!(reader.beginning(), &beginning());
     let mut count = 0;
     loop {
-        match reader.next() {
+        match reader.next_entry() {
             Ok(Some(entry)) => {
                 assert_eq!((entry.topic, entry.sequence), (Topic::Image(0), count), "none is skipped");
                 assert!(entry.bytes.iter().all(|byte| u32::from(*byte) == count), "message {count}");

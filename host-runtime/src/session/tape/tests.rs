@@ -27,7 +27,7 @@ fn configuration() -> Configuration {
 fn entries(path: &Path) -> (Vec<(Topic, u64, u32, usize)>, Reader) {
     let mut reader = Reader::open(path).unwrap();
     let mut all = Vec::new();
-    while let Some(entry) = reader.next().unwrap() {
+    while let Some(entry) = reader.next_entry().unwrap() {
         all.push((entry.topic, entry.time_us, entry.sequence, entry.bytes.len()));
     }
     (all, reader)

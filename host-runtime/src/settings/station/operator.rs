@@ -96,7 +96,7 @@ pub enum HandCamera {
         baud: u32,
     },
     /// Plugged in here.
-    Local(LocalCamera),
+    Local(Box<LocalCamera>),
 }
 
 impl OperatorToml {
@@ -173,7 +173,12 @@ impl CameraToml {
             let focal_px = camera.focal_px;
             let source = self.source().to_owned();
             let colours = self.colours(dir);
-            return Ok(HandCameraSettings { source, place: HandCamera::Local(camera), colours, focal_px });
+            return Ok(HandCameraSettings {
+                source,
+                place: HandCamera::Local(Box::new(camera)),
+                colours,
+                focal_px,
+            });
         };
         if let Some(extra) = self.of_a_local_camera() {
             let mend = format!("{} knows that itself: set it there, and leave it out here", self.source());
