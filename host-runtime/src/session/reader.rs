@@ -128,7 +128,7 @@ impl Reader {
         &self.names
     }
 
-    /// Whether the file ended before its end; known once [`next`](Self::next) has given `None`.
+    /// Whether the file ended before its end; known once [`next_entry`](Self::next_entry) has given `None`.
     #[must_use]
     pub const fn cut(&self) -> bool {
         self.records.cut
