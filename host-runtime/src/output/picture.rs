@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
 use tetrad_core::observation::{Ball, ObservationState, Observations};
-use tetrad_core::vision::frame::{FrameView, Rgb};
+use tetrad_core::vision::frame::{FrameView, PixelFormat, Rgb};
 use tetrad_core::vision::tracker::StepReport;
 
 /// Marks of a ball that was seen whole.
@@ -90,6 +90,13 @@ impl Canvas {
     #[must_use]
     pub fn rgb(&self) -> &[u8] {
         &self.rgb
+    }
+
+    /// The picture as a frame; `None` where it is too wide or too high for one.
+    #[must_use]
+    pub fn view(&self) -> Option<FrameView<'_>> {
+        let (width, height) = (u16::try_from(self.width).ok()?, u16::try_from(self.height).ok()?);
+        FrameView::new(&self.rgb, width, height, 3 * usize::from(width), PixelFormat::Rgb888).ok()
     }
 
     /// Writes a PNG file.

@@ -4,18 +4,15 @@
 //! then, and never waits. Of pictures that wait the newest counts.
 
 use super::camera::Windows;
+use super::jpeg::jpeg;
 use super::step_back::step_back;
 use crate::link::Picture;
 use crate::output::Canvas;
-use jpeg_encoder::{ColorType, Encoder, EncodingError};
 use std::io;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
 use tetrad_core::wire::ObservationPacket;
-
-/// Of the JPEG: what is looked at is where the marks are.
-const QUALITY: u8 = 75;
 
 /// Where the balls are marked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,7 +123,7 @@ impl Shared {
         while let Some(job) = self.take() {
             let ObservationPacket { camera, session, capture_us, width, height, .. } = job.packet;
             // a picture that the tracker has read has a size that can be encoded
-            if let Ok(jpeg) = job.drawn(marks) {
+            if let Some(jpeg) = job.drawn(marks) {
                 let picture = Picture { camera, session, sequence, capture_us, width, height, jpeg };
                 send(picture, &job.packet, &job.windows);
                 sequence = sequence.wrapping_add(1);
@@ -136,26 +133,19 @@ impl Shared {
     }
 }
 
-/// A picture as JPEG, as previews are.
-pub(crate) fn jpeg(view: &FrameView<'_>) -> Result<Vec<u8>, EncodingError> {
-    let canvas = Canvas::side_by_side(std::slice::from_ref(view));
-    let mut jpeg = Vec::new();
-    Encoder::new(&mut jpeg, QUALITY).encode(canvas.rgb(), view.width(), view.height(), ColorType::Rgb)?;
-    Ok(jpeg)
-}
-
 impl Job {
-    fn drawn(&self, marks: Marks) -> Result<Vec<u8>, EncodingError> {
+    /// `None` where the picture is none that can be read or encoded.
+    fn drawn(&self, marks: Marks) -> Option<Vec<u8>> {
         let ObservationPacket { width, height, .. } = self.packet;
-        let mut jpeg = Vec::new();
-        if let Ok(view) = FrameView::new(&self.bytes, width, height, self.stride, self.format) {
-            let mut canvas = Canvas::side_by_side(&[view]);
-            if marks == Marks::Drawn {
+        let view = FrameView::new(&self.bytes, width, height, self.stride, self.format).ok()?;
+        match marks {
+            Marks::Beside => jpeg(&view).ok(),
+            Marks::Drawn => {
+                let mut canvas = Canvas::side_by_side(&[view]);
                 canvas.circles(&self.packet.balls);
+                jpeg(&canvas.view()?).ok()
             }
-            Encoder::new(&mut jpeg, QUALITY).encode(canvas.rgb(), width, height, ColorType::Rgb)?;
         }
-        Ok(jpeg)
     }
 }
 

@@ -11,15 +11,15 @@
 //! queues: what was not sent when the next is there is overtaken by it.
 
 use super::back_off::BackOff;
+use super::jpeg::encode_jpeg;
 use super::picture_rate::{LOOK_US, LineState, PictureRate};
+use super::step_back::step_back;
 use crate::link::local::LocalEnd;
 use crate::link::{Carrier as _, Peer, Picture};
-use crate::output::Canvas;
 use crate::robot::clock::Clock;
 use crate::settings::station::{SceneCamera, SceneCameraSettings};
 use crate::source::simulated_arm::ArmDrawing;
 use crate::source::{self, Source, SourceError};
-use jpeg_encoder::{ColorType, Encoder};
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -27,6 +27,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use tetrad_core::arm::puma560::Joints;
 use tetrad_core::config::{PumaConfig, PumaConfigError};
+use tetrad_core::vision::frame::{FrameView, PixelFormat};
 
 /// The size of a drawing where none is asked for.
 const DRAWING: (u16, u16) = (640, 480);
@@ -268,6 +269,7 @@ struct Worker<L> {
 
 impl<L: PictureLine> Worker<L> {
     fn run(mut self, eye: Eye) {
+        step_back();
         match eye {
             Eye::Drawing(drawing) => self.draw(*drawing),
             Eye::Source { camera, spec, source } => self.watch(&camera, &spec, source),
@@ -286,8 +288,10 @@ impl<L: PictureLine> Worker<L> {
             let Some((joints, at_us)) = joints else { continue };
             let (width, height) = drawing.size();
             // a drawing has the size that was asked for, which two bytes hold
-            let size = (u16::try_from(width).unwrap_or(0), u16::try_from(height).unwrap_or(0));
-            self.send(drawing.draw(&joints), size, at_us, quality);
+            let (width, height) = (u16::try_from(width).unwrap_or(0), u16::try_from(height).unwrap_or(0));
+            let (rgb, stride) = (drawing.draw(&joints), 3 * usize::from(width));
+            let Ok(view) = FrameView::new(rgb, width, height, stride, PixelFormat::Rgb888) else { continue };
+            self.send(&view, at_us, quality);
         }
     }
 
@@ -322,9 +326,7 @@ impl<L: PictureLine> Worker<L> {
                         continue;
                     }
                     let Some(quality) = self.due(now_us) else { continue };
-                    let size = (frame.view.width(), frame.view.height());
-                    let canvas = Canvas::side_by_side(&[frame.view]);
-                    self.send(canvas.rgb(), size, capture_us, quality);
+                    self.send(&frame.view, capture_us, quality);
                 }
                 Ok(None) => return self.shared.tell(format!("scene: {spec} is over")),
                 Err(error) => {
@@ -346,9 +348,9 @@ impl<L: PictureLine> Worker<L> {
         sent.then(|| rate.quality().min(self.best))
     }
 
-    fn send(&mut self, rgb: &[u8], (width, height): (u16, u16), capture_us: u64, quality: u8) {
+    fn send(&mut self, view: &FrameView<'_>, capture_us: u64, quality: u8) {
         self.jpeg.clear();
-        if Encoder::new(&mut self.jpeg, quality).encode(rgb, width, height, ColorType::Rgb).is_err() {
+        if encode_jpeg(&mut self.jpeg, view, quality).is_err() {
             // a picture without pixels
             return;
         }
@@ -360,8 +362,8 @@ impl<L: PictureLine> Worker<L> {
             session: self.session,
             sequence: self.sequence,
             capture_us,
-            width,
-            height,
+            width: view.width(),
+            height: view.height(),
             jpeg: self.jpeg.clone(),
         });
         self.sequence = self.sequence.wrapping_add(1);

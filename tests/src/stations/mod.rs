@@ -21,6 +21,7 @@ mod crew;
 mod delays;
 mod garbage;
 mod memory;
+mod page_reader;
 mod pictures;
 mod runs;
 mod station;

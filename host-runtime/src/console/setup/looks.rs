@@ -6,14 +6,13 @@ use super::teach::{inside, next};
 use super::{aside, scan};
 use crate::console::app::State;
 use crate::learning::mistaken;
-use crate::output::Canvas;
 use crate::station::camera::Still;
+use crate::station::encode_jpeg;
 use axum::Json;
 use axum::body::Body;
 use axum::extract::State as Of;
 use axum::http::{HeaderValue, Uri, header};
 use axum::response::{IntoResponse as _, Response};
-use jpeg_encoder::{ColorType, Encoder};
 use serde::Deserialize;
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::Ball;
@@ -94,11 +93,8 @@ fn view(still: &Still) -> Result<FrameView<'_>, Refused> {
 }
 
 fn jpeg(still: &Still) -> Result<Vec<u8>, Refused> {
-    let frame = view(still)?;
-    let canvas = Canvas::side_by_side(&[frame]);
     let mut jpeg = Vec::new();
-    Encoder::new(&mut jpeg, QUALITY)
-        .encode(canvas.rgb(), frame.width(), frame.height(), ColorType::Rgb)
+    encode_jpeg(&mut jpeg, &view(still)?, QUALITY)
         .map_err(|error| Refused::Failed(format!("the picture cannot be encoded: {error}")))?;
     Ok(jpeg)
 }
