@@ -10,6 +10,7 @@
 
 mod command;
 mod count;
+mod firmware;
 mod fuzz;
 mod no_panic;
 mod packages;
@@ -106,6 +107,18 @@ pub const CHECKS: &[Check] = &[
         protects: "no panic and no allocation is left behind core's entry points: linked for the target",
         quick: false,
         run: no_panic::check,
+    },
+    Check {
+        name: "firmware-clippy",
+        protects: "no lint is left in the firmware of any board",
+        quick: false,
+        run: firmware::clippy,
+    },
+    Check {
+        name: "firmware-qemu",
+        protects: "the same pictures give the same packets on both boards of QEMU, within the figures' ceilings",
+        quick: false,
+        run: firmware::qemu,
     },
     Check {
         name: "deny-licences",

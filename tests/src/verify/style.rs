@@ -6,7 +6,7 @@ use std::time::Duration;
 const LIMIT: Duration = Duration::from_secs(900);
 
 /// The packages outside the workspace: each has its own lock file and settings.
-const APART: [&str; 2] = ["fuzz/Cargo.toml", "tests/no-panic/Cargo.toml"];
+const APART: [&str; 3] = ["firmware/Cargo.toml", "fuzz/Cargo.toml", "tests/no-panic/Cargo.toml"];
 
 pub(super) fn fmt(context: &Context) -> Outcome {
     let run = context.run(&mut context.cargo(["fmt", "--all", "--check"]), LIMIT);
@@ -22,10 +22,12 @@ pub(super) fn fmt(context: &Context) -> Outcome {
     Outcome::pass()
 }
 
-/// Every target; the tests in a browser are named, for they are none that `cargo test` runs by itself.
+/// Every target; the tests in a browser and on boards are named, for they are none that `cargo test` runs by
+/// itself.
 pub(super) fn clippy(context: &Context) -> Outcome {
     let every = ["--workspace", "--all-targets"].as_slice();
-    for targets in [every, &["--package", "tetrad", "--test", "console"]] {
+    let boards = ["--package", "tetrad-qemu", "--all-targets", "--features", "boards"].as_slice();
+    for targets in [every, &["--package", "tetrad", "--test", "console"], boards] {
         let mut cargo = context.cargo(["clippy", "--locked"]);
         let run = context.run(cargo.args(targets).args(["--", "--deny", "warnings"]), LIMIT);
         if !run.ok {

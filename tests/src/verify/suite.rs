@@ -65,7 +65,7 @@ fn cargo_test(context: &Context, arguments: &[&str]) -> Outcome {
     cargo_test_with(context, arguments, &[])
 }
 
-fn cargo_test_with(context: &Context, arguments: &[&str], settings: &[(&str, &str)]) -> Outcome {
+pub(super) fn cargo_test_with(context: &Context, arguments: &[&str], settings: &[(&str, &str)]) -> Outcome {
     let log = context.log_path(&context.check).with_extension("skipped");
     // Left over from the last run; that it is not there is the usual case.
     let _ = fs::remove_file(&log);

@@ -1,0 +1,4 @@
+//! What is particular to a board: one file or folder each, chosen by a feature.
+
+#[cfg(feature = "mps2")]
+pub mod mps2;

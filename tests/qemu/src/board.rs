@@ -1,0 +1,90 @@
+//! What a board makes of a tape, in QEMU.
+
+use crate::tape::Tape;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+use std::{env, fs, io, thread};
+
+/// Names the folder of the firmware's programs; `cargo verify` sets it.
+pub const PROGRAMS: &str = "TETRAD_FIRMWARE";
+
+/// The longest a run may take.
+const LIMIT: Duration = Duration::from_secs(300);
+
+/// One instruction counts as 2^6 ns, and nobody waits for virtual time to pass.
+const FAST: &str = "shift=6,sleep=off";
+
+/// A board of QEMU's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Board {
+    /// Cortex-M4F.
+    An386,
+    /// Cortex-M7.
+    An500,
+}
+
+impl Board {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::An386, Self::An500];
+
+    const fn machine(self) -> &'static str {
+        match self {
+            Self::An386 => "mps2-an386",
+            Self::An500 => "mps2-an500",
+        }
+    }
+
+    /// The bytes that the smart camera wrote to its serial line, and what it said on standard error.
+    ///
+    /// # Errors
+    /// There is no such program or no QEMU, or the run did not end well; with what was said.
+    pub fn play(self, tape: &Tape) -> io::Result<(Vec<u8>, String)> {
+        let folder = tempfile::tempdir()?;
+        fs::write(folder.path().join("tetrad.tape"), tape.bytes())?;
+        let said = self.run("mps2-camera", folder.path(), FAST)?;
+        Ok((fs::read(folder.path().join("line"))?, said))
+    }
+
+    /// Runs a program in a folder; what it said on both streams.
+    ///
+    /// # Errors
+    /// As [`Board::play`].
+    pub fn run(self, program: &str, folder: &Path, icount: &str) -> io::Result<String> {
+        let said_path = folder.join("said");
+        let said = fs::File::create(&said_path)?;
+        let mut qemu = Command::new("qemu-system-arm");
+        qemu.args(["-machine", self.machine(), "-display", "none", "-monitor", "none", "-icount", icount]);
+        qemu.args(["-semihosting-config", "enable=on,target=native", "-serial", "file:line", "-kernel"]);
+        qemu.arg(programs()?.join(program)).current_dir(folder);
+        let mut child = qemu.stdin(Stdio::null()).stdout(said.try_clone()?).stderr(said).spawn()?;
+        let started = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait()? {
+                break status;
+            }
+            if started.elapsed() > LIMIT {
+                child.kill()?;
+                child.wait()?;
+                return Err(io::Error::other(format!("{program} did not end within {} s", LIMIT.as_secs())));
+            }
+            thread::sleep(Duration::from_millis(5));
+        };
+        let said = fs::read_to_string(said_path)?;
+        if status.success() {
+            Ok(said)
+        } else {
+            Err(io::Error::other(format!("{program}: {status}\n{said}")))
+        }
+    }
+}
+
+/// The folder of the firmware's programs.
+///
+/// # Errors
+/// Nobody has said where it is.
+pub fn programs() -> io::Result<PathBuf> {
+    env::var_os(PROGRAMS).map(PathBuf::from).ok_or_else(|| {
+        io::Error::other(format!("{PROGRAMS} is not set: run `cargo verify --only firmware-qemu`"))
+    })
+}

@@ -1,0 +1,102 @@
+//! Pictures and commands as the firmware reads them: firmware/src/board/mps2/tape.rs has the format.
+
+use crate::clip::{Clip, FORMAT, Sequence};
+use tetrad_core::config::TrackerConfig;
+use tetrad_core::vision::frame::PixelFormat;
+use tetrad_core::wire::{Command, CommandPacket, MAX_FRAME_LEN, encode};
+
+/// How balls are tracked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// By the paper's methods.
+    Paper,
+    /// By the finer ones.
+    Refined,
+}
+
+impl Mode {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Paper, Self::Refined];
+
+    /// The settings.
+    #[must_use]
+    pub fn tracker(self) -> TrackerConfig {
+        match self {
+            Self::Paper => TrackerConfig::paper(),
+            Self::Refined => TrackerConfig::default(),
+        }
+    }
+}
+
+/// Something that comes to the camera.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A picture, and when it was taken, microseconds.
+    Picture(u64, Vec<u8>),
+    /// Bytes of the serial line.
+    Line(Vec<u8>),
+}
+
+/// What a board and the desktop are shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tape {
+    /// Width and height of all pictures, pixels.
+    pub size: (u16, u16),
+    /// How balls are tracked.
+    pub mode: Mode,
+    /// What comes, in order.
+    pub events: Vec<Event>,
+}
+
+impl Tape {
+    /// The balls taught and the sequence shown; in the end the camera is told to test itself and to stop.
+    ///
+    /// # Panics
+    /// When there is no such scene.
+    #[must_use]
+    pub fn of(sequence: &Sequence) -> Self {
+        let clip = Clip::named(sequence.scene).unwrap_or_else(|| panic!("no scene {}", sequence.scene));
+        let mut commands = 0..;
+        let mut told = |command| {
+            let packet = CommandPacket { session: 9, sequence: commands.next().unwrap_or(0), command };
+            let mut frame = [0; MAX_FRAME_LEN];
+            let length = encode(&packet.into(), &mut frame).expect("a command of numbers");
+            Event::Line(frame[..length].to_vec())
+        };
+        let mut events: Vec<Event> =
+            clip.places(0).into_iter().map(|(ball, at)| told(Command::Learn { ball, at })).collect();
+        events.push(told(Command::Start));
+        events.extend(
+            std::iter::once(0)
+                .chain(sequence.frames.iter().copied())
+                .map(|frame| Event::Picture(clip.time_us(frame), clip.picture(frame))),
+        );
+        events.push(told(Command::SelfTest));
+        events.push(told(Command::Stop));
+        // nothing comes of it: the camera was stopped
+        events.push(Event::Picture(clip.time_us(0), clip.picture(0)));
+        Self { size: clip.size(), mode: Mode::Refined, events }
+    }
+
+    /// The file's bytes.
+    #[must_use]
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut bytes = b"TETRADT1".to_vec();
+        bytes.extend(self.size.0.to_le_bytes());
+        bytes.extend(self.size.1.to_le_bytes());
+        let format = PixelFormat::ALL.iter().position(|format| *format == FORMAT).unwrap_or_default();
+        bytes.extend([format as u8, u8::from(self.mode == Mode::Refined), 0, 0]);
+        for event in &self.events {
+            let (kind, capture_us, content) = match event {
+                Event::Picture(capture_us, content) => (1_u32, *capture_us, content),
+                Event::Line(content) => (2, 0, content),
+            };
+            bytes.extend(kind.to_le_bytes());
+            bytes.extend((content.len() as u32).to_le_bytes());
+            bytes.extend(capture_us.to_le_bytes());
+            bytes.extend(0_u32.to_le_bytes());
+            bytes.extend(content);
+        }
+        bytes
+    }
+}
