@@ -128,6 +128,9 @@ fn what_cannot_be_meant_is_refused() {
     run(dir.path(), &iron, "--hold-to-run always").refused(2, &["val2", "hold the button"]);
     run(dir.path(), ALL, "").refused(2, &["terminal", "--hold-to-run always"]);
     run(dir.path(), ALL, "--hold-to-run always --seconds 0").refused(2, &["--seconds"]);
+    let own = ["--record tetrad.toml and --config tetrad.toml", "same file", "give another file"];
+    run(dir.path(), ALL, "--hold-to-run always --record tetrad.toml").refused(2, &own);
+    assert_eq!(fs::read_to_string(dir.path().join("tetrad.toml")).unwrap(), ALL);
     let away = ALL
         .replace("sim:still\"\nview", "/dev/video99\"\nview")
         .replace("view = \"right\"", "colours = \"no.toml\"");

@@ -3,7 +3,8 @@
 mod common;
 
 use common::{Clip, csv, tetrad};
-use std::fs;
+use std::path::Path;
+use std::{fs, io};
 
 const RECORD: &str = "record --left left --right right --scene scene.json --out session.mcap";
 
@@ -93,6 +94,68 @@ fn bad_files_and_flags_are_named() {
     let own = "record --left session.mcap --right session.mcap --scene scene.json --out session.mcap";
     clip.tetrad(own).refused(2, &["--out session.mcap", "give another file"]);
     clip.tetrad("replay session.mcap --out out").done();
+}
+
+/// Where the other name of a session is, and what it is made with.
+type Link = (&'static str, fn(&Path, &Path) -> io::Result<()>);
+
+/// A copy has another content by and by, a link has the same.
+fn links() -> Vec<Link> {
+    let mut links: Vec<Link> = vec![("hard.mcap", |from, to| fs::hard_link(from, to))];
+    #[cfg(unix)]
+    links.push(("soft.mcap", |from, to| std::os::unix::fs::symlink(from, to)));
+    links
+}
+
+#[test]
+fn what_is_made_of_a_session_is_not_written_over_it_by_whatever_name() {
+    let clip = Clip::of("still", 2);
+    clip.tetrad(RECORD).done();
+    let whole = fs::read(clip.path("session.mcap")).unwrap();
+    let mut names = vec!["session.mcap", "./session.mcap", "left/../session.mcap"];
+    for (name, link) in links() {
+        link(&clip.path("session.mcap"), &clip.path(name)).unwrap();
+        names.push(name);
+    }
+    for name in &names {
+        let both = ["session.mcap", name, "same file", "give another file"];
+        let refused = |arguments: String, flag: &str| {
+            clip.tetrad(&arguments).refused(2, &[&[flag][..], &both].concat());
+            assert!(fs::read(clip.path("session.mcap")).unwrap() == whole, "{arguments}");
+        };
+        refused(format!("replay --out out --report {name} session.mcap"), "--report");
+        refused(format!("replay --out out --report session.mcap {name}"), "--report");
+        let record = format!("record --left {name} --scene scene.json --out session.mcap");
+        refused(record, "--out");
+        refused(format!("learn --source session.mcap --find --yes --out {name}"), "--out");
+        let pair = "learn --source session.mcap --right-source session.mcap --find --yes";
+        refused(format!("{pair} --out new.toml --out-right {name}"), "--out-right");
+        let track = "track --left session.mcap --right session.mcap --scene scene.json --out out";
+        refused(format!("{track} --packets {name}"), "--packets");
+    }
+    assert!(!clip.path("out").exists() && !clip.path("new.toml").exists(), "nothing is begun");
+    clip.tetrad("replay session.mcap --out out --report page.html").done();
+    assert!(read(&clip, "page.html").contains("The balls"));
+}
+
+#[test]
+fn a_session_among_the_results_is_not_written_over_either() {
+    let clip = Clip::of("still", 2);
+    clip.tetrad(RECORD).done();
+    let whole = fs::read(clip.path("session.mcap")).unwrap();
+    for (folder, name, flags) in [("out", "pose.csv", ""), ("more/recorded", "arm.csv", "--export-csv")] {
+        fs::create_dir_all(clip.path(folder)).unwrap();
+        fs::hard_link(clip.path("session.mcap"), clip.path(folder).join(name)).unwrap();
+        let out = folder.split('/').next().unwrap();
+        let first = format!("--out {folder}/{name}");
+        let both = [first.as_str(), "the session session.mcap", "same file"];
+        clip.tetrad(&format!("replay session.mcap --out {out} {flags}")).refused(2, &both);
+    }
+    let scene = fs::read(clip.path("scene.json")).unwrap();
+    let own = RECORD.replace("session.mcap", "scene.json");
+    clip.tetrad(&own).refused(2, &["--out scene.json and --scene scene.json", "same file"]);
+    assert!(fs::read(clip.path("scene.json")).unwrap() == scene, "its places are still known");
+    assert!(fs::read(clip.path("session.mcap")).unwrap() == whole);
 }
 
 #[test]

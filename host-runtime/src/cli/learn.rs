@@ -1,5 +1,6 @@
 //! `tetrad learn`: teach the balls' colours, by pointing at them or by confirming a proposal.
 
+use super::same_file::{self, Input};
 use super::{make_dir, note, say};
 use crate::balls::ball_by_name;
 use crate::colours::{Colours, Origin};
@@ -112,7 +113,21 @@ impl FromStr for At {
 
 /// Runs `tetrad learn`.
 pub(super) fn run(args: &LearnArgs) -> Result<(), Failure> {
+    refuse_own_source(args)?;
     if args.find { find(args) } else { point(args) }
+}
+
+/// What is learnt goes to files of its own.
+fn refuse_own_source(args: &LearnArgs) -> Result<(), Failure> {
+    let left = Input::source("--source", &args.source);
+    let right = args.right_source.as_deref().and_then(|right| Input::source("--right-source", right));
+    let sources = || left.into_iter().chain(right);
+    same_file::refuse("--out", &args.out, sources())?;
+    if let Some(out_right) = &args.out_right {
+        same_file::refuse("--out", &args.out, [Input::new("--out-right", out_right)])?;
+        same_file::refuse("--out-right", out_right, sources())?;
+    }
+    args.scan.as_ref().map_or(Ok(()), |dir| same_file::refuse_in("--scan", dir, sources()))
 }
 
 /// Learns at the points given.
@@ -135,11 +150,6 @@ fn point(args: &LearnArgs) -> Result<(), Failure> {
 
 /// Proposes the four balls and learns them once that is confirmed.
 fn find(args: &LearnArgs) -> Result<(), Failure> {
-    if let Some(right) = args.out_right.as_ref().filter(|right| same_file(&args.out, right)) {
-        let (out, right) = (args.out.display(), right.display());
-        return Err(Failure::bad_arguments(format!("--out {out} and --out-right {right} are the same file"))
-            .help("give each camera a colours file of its own"));
-    }
     let mut cameras = vec![Camera::open(&args.source, args.view.into(), &args.out)?];
     if let (Some(source), Some(out)) = (&args.right_source, &args.out_right) {
         cameras.push(Camera::open(source, View::Right, out)?);
@@ -173,20 +183,6 @@ fn find(args: &LearnArgs) -> Result<(), Failure> {
         return Err(Failure::new(Exit::Failed, anyhow::anyhow!("not confirmed: nothing is written")));
     }
     cameras.iter().zip(&found).try_for_each(|(camera, taught)| camera.save(args.frame, taught))
-}
-
-/// Whether two paths lead to one file, which need not be there yet.
-fn same_file(a: &Path, b: &Path) -> bool {
-    let resolved = |path: &Path| {
-        let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        absolute.canonicalize().unwrap_or_else(|_| {
-            match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {
-                (Some(Ok(parent)), Some(name)) => parent.join(name),
-                _ => absolute,
-            }
-        })
-    };
-    resolved(a) == resolved(b)
 }
 
 /// Asks on the terminal.

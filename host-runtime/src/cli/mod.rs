@@ -17,6 +17,7 @@ mod operator;
 mod progress;
 mod record;
 mod replay;
+mod same_file;
 mod slave;
 mod track;
 

@@ -1,7 +1,8 @@
 //! `tetrad record`: footage or live cameras in, one MCAP file out that `tetrad replay` runs again.
 
 use super::interrupt::Interrupt;
-use super::track::{micros, open, pipeline, starts};
+use super::same_file;
+use super::track::{inputs, micros, open, pipeline, starts};
 use super::{note, progress, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::pipeline::{CameraStart, Pipeline};
@@ -14,7 +15,7 @@ use crate::streams::Streams;
 use clap::Args;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 pub(super) const EXAMPLES: &str = "\
@@ -62,7 +63,7 @@ pub(super) fn run(args: &RecordArgs) -> Result<(), Failure> {
         )));
     }
     let settings = InputSettings::new(&args.input)?;
-    refuse_own_source(&settings, &args.out)?;
+    same_file::refuse("--out", &args.out, inputs(&args.input))?;
     let mut streams = open(&settings, args.seconds)?;
     if !settings.has_pose() {
         note("there is no rigid frame of four balls in two cameras: no hand is solved for");
@@ -84,23 +85,6 @@ pub(super) fn run(args: &RecordArgs) -> Result<(), Failure> {
         recorded.written.messages
     ));
     Ok(())
-}
-
-/// A recording is not read while it is written.
-fn refuse_own_source(settings: &InputSettings, out: &Path) -> Result<(), Failure> {
-    let same = |source: &str| {
-        let [source, out] = [Path::new(source), out].map(Path::canonicalize);
-        matches!((source, out), (Ok(source), Ok(out)) if source == out)
-    };
-    match settings.cameras.iter().find(|camera| same(&camera.source)) {
-        Some(camera) => Err(Failure::bad_arguments(format!(
-            "--out {}: that is where the {} pictures come from",
-            out.display(),
-            camera.name
-        ))
-        .help("give another file")),
-        None => Ok(()),
-    }
 }
 
 fn disk(error: SessionError, pairs: u64) -> Failure {

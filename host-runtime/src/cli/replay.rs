@@ -3,6 +3,7 @@
 mod results;
 mod serve;
 
+use super::same_file::{self, Input};
 use super::{make_dir, make_results_dir, note, say};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::session::{self, Compared, Outcome, Reader, replay};
@@ -45,14 +46,18 @@ pub(super) struct ReplayArgs {
     serve: bool,
 }
 
+/// Where the recorded channels go, in the folder of the results.
+const RECORDED: &str = "recorded";
+
 /// Runs `tetrad replay`.
 pub(super) fn run(args: &ReplayArgs) -> Result<(), Failure> {
     let mut reader = Reader::open(&args.file).or_exit(Exit::Failed)?;
     // without one the flags ask for --serve
     let Some(out) = &args.out else { return serve::run(&args.file) };
+    refuse_own_file(args, out)?;
     make_results_dir(out)?;
     if args.export_csv {
-        let dir = out.join("recorded");
+        let dir = out.join(RECORDED);
         make_dir(&dir)?;
         session::export(&mut Reader::open(&args.file).or_exit(Exit::Failed)?, &dir).or_exit(Exit::Failed)?;
         say(format_args!("what was recorded is in {}", dir.display()));
@@ -73,6 +78,16 @@ pub(super) fn run(args: &ReplayArgs) -> Result<(), Failure> {
     let outcome = outcome?;
     written?;
     report(&outcome, args, out)
+}
+
+/// A session is not written over by what is made of it.
+fn refuse_own_file(args: &ReplayArgs, out: &Path) -> Result<(), Failure> {
+    let session = [Input::new("the session", &args.file)];
+    if let Some(page) = &args.report {
+        same_file::refuse("--report", page, session)?;
+    }
+    same_file::refuse_in("--out", out, session)?;
+    if args.export_csv { same_file::refuse_in("--out", &out.join(RECORDED), session) } else { Ok(()) }
 }
 
 fn report(outcome: &Outcome, args: &ReplayArgs, out: &Path) -> Result<(), Failure> {

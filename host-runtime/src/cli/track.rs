@@ -1,13 +1,14 @@
 //! `tetrad track`: footage or live cameras in, CSV files out.
 
 use super::interrupt::Interrupt;
+use super::same_file::{self, Input};
 use super::{make_results_dir, note, progress, say};
 use crate::camera_start::{Named, camera_start};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::output::{RecordedCamera, Recorder, Stamp, Summary};
 use crate::pipeline::Step;
 use crate::pipeline::{CameraStart, Pipeline};
-use crate::settings::{InputSettings, TrackArgs, TrackSettings};
+use crate::settings::{InputArgs, InputSettings, TrackArgs, TrackSettings};
 use crate::source::{self, Frame, Gap, Options, View};
 use crate::station::MotionSender;
 use crate::streams::{End, Stream, Streams};
@@ -34,6 +35,10 @@ the errors. Ctrl-C ends a live run.";
 
 /// Runs `tetrad track`.
 pub(super) fn run(args: TrackArgs) -> Result<(), Failure> {
+    same_file::refuse_in("--out", &args.out, inputs(&args.input))?;
+    if let Some(packets) = args.packets.as_deref().filter(|packets| !is_standard_output(packets)) {
+        same_file::refuse("--packets", packets, inputs(&args.input))?;
+    }
     let settings = TrackSettings::new(args)?;
     let mut streams = open(&settings.input, None)?;
     make_results_dir(&settings.out)?;
@@ -54,6 +59,20 @@ pub(super) fn run(args: TrackArgs) -> Result<(), Failure> {
     let print: fn(std::fmt::Arguments<'_>) = if to_packets { |line| note(line) } else { |line| say(line) };
     report(&written?, &settings, print);
     Ok(())
+}
+
+/// The files that are read.
+pub(super) fn inputs(args: &InputArgs) -> Vec<Input<'_>> {
+    let sources = [("--left", Some(&args.left)), ("--right", args.right.as_ref())];
+    let files = [
+        ("--colours-left", &args.colours_left),
+        ("--colours-right", &args.colours_right),
+        ("--scene", &args.scene),
+    ];
+    let sources = sources.into_iter().filter_map(|(flag, spec)| Input::source(flag, spec?));
+    sources
+        .chain(files.into_iter().filter_map(|(flag, file)| Some(Input::new(flag, file.as_ref()?))))
+        .collect()
 }
 
 /// What begins with the first frames.

@@ -23,6 +23,7 @@ mod talk;
 
 use super::interrupt::Interrupt;
 use super::memory::resident_kb;
+use super::same_file::{self, Input};
 use super::{make_dir, note, say, tell_aside};
 use crate::console::{Console, ConsoleError, Desk, SetUp, ViewKind};
 use crate::exit::{Exit, Failure, OrExit as _};
@@ -166,6 +167,7 @@ impl Order<'_> {
             return Err(Failure::bad_arguments("--hold-to-run console: the file has no [console]")
                 .help("add [console] with listen = \"127.0.0.1:8080\"; docs/stations.md lists its keys"));
         }
+        self.refuse_own_files()?;
         let record = match self.out {
             Some(dir) => {
                 make_dir(dir)?;
@@ -218,6 +220,17 @@ impl Order<'_> {
         }
         let parts = Parts { station, cameras, slave, hold, link, bell, clock, record, tape, console, memory };
         Ok(Run::new(parts))
+    }
+
+    /// A session is not recorded over what the run is made of.
+    fn refuse_own_files(&self) -> Result<(), Failure> {
+        let Some(record) = self.record else { return Ok(()) };
+        let file = self.station.map(|station| Input::new("--config", &station.file));
+        let cameras = self.operator.cameras.iter().flat_map(|camera| {
+            let colours = camera.colours.as_deref().map(|file| Input::new("the colours", file));
+            Input::source("[[operator.camera]] source", &camera.source).into_iter().chain(colours)
+        });
+        same_file::refuse("--record", record, file.into_iter().chain(cameras))
     }
 
     /// The console, with a view for each camera.
