@@ -49,6 +49,20 @@ impl CameraStart {
     }
 }
 
+/// The tracker of a camera that starts so, live and in a replay.
+///
+/// # Errors
+/// The [`TrackerError`] that names the setting or the ball.
+pub fn tracker_of(config: TrackerConfig, start: &CameraStart) -> Result<CameraTracker, TrackerError> {
+    let mut tracker = CameraTracker::new(config, start.balls)?;
+    for (ball, place) in Ball::ALL.into_iter().zip(start.places) {
+        if let Some(place) = place {
+            tracker.place(ball, place);
+        }
+    }
+    Ok(tracker)
+}
+
 /// How everything is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PipelineConfig {
@@ -125,14 +139,9 @@ impl Pipeline {
         arms: Option<Arms>,
     ) -> Result<Self, (usize, TrackerError)> {
         let mut cameras = Vec::new();
-        for (camera, CameraStart { balls, places, focal_px }) in starts.iter().enumerate() {
-            let mut tracker = CameraTracker::new(config.tracker, *balls).map_err(|error| (camera, error))?;
-            for (ball, place) in Ball::ALL.into_iter().zip(places) {
-                if let Some(place) = place {
-                    tracker.place(ball, *place);
-                }
-            }
-            cameras.push(Camera { tracker, focal_px: *focal_px });
+        for (camera, start) in starts.iter().enumerate() {
+            let tracker = tracker_of(config.tracker, start).map_err(|error| (camera, error))?;
+            cameras.push(Camera { tracker, focal_px: start.focal_px });
         }
         let filter = PoseFilter::default();
         let hand = arms.map(|arms| HandStage::new(config.hand_mode, arms, config.hand, filter));

@@ -3,11 +3,15 @@
 
 mod common;
 
+use common::console::Operator;
 use common::{Ran, command, csv, tetrad};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
+use tetrad::session::{Entry, Reader, Tape, Topic};
 
 const ALL: &str = "\
 [operator]
@@ -91,7 +95,111 @@ fn what_an_operator_records_replays_to_the_same_bits() {
     assert!(csv(&recorded.join("delays.csv")).len() > 10);
     assert_eq!(csv(&recorded.join("pose.csv")), csv(&dir.path().join("out/pose.csv")), "as it was, and anew");
     let page = fs::read_to_string(dir.path().join("session.html")).unwrap();
+    let taught = |entry: &Entry| matches!(entry.topic, Topic::Taught(_) | Topic::HandBegins);
+    let session = entries(&dir.path().join("session.mcap"));
+    assert!(!session.iter().any(taught), "nobody has taught it anything");
     assert!(["The balls", "The hand", "The arm", "Delays", "/arm/joints"].iter().all(|t| page.contains(t)));
+}
+
+/// What is in a session, in order.
+fn entries(session: &Path) -> Vec<Entry> {
+    let mut reader = Reader::open(session).unwrap();
+    std::iter::from_fn(|| reader.next_entry().unwrap())
+        .map(|entry| Entry { bytes: Vec::new(), ..entry })
+        .collect()
+}
+
+/// Every camera sees every ball, and both see where the hand is, in what was known after that time.
+fn tracked_after(operator: &Operator, since_us: u64) -> Option<u64> {
+    let now = operator.snapshot();
+    let states = now["cameras"].as_array().into_iter().flatten();
+    let balls = states.flat_map(|camera| camera["balls"].as_array().into_iter().flatten());
+    let seen = balls.filter(|ball| ball["state"] == "visible" || ball["state"] == "occluded").count();
+    let time_us = now["time_us"].as_u64().filter(|time_us| *time_us > since_us + 1_000_000);
+    time_us.filter(|_| seen == 8 && now["hand"]["state"] == "both")
+}
+
+/// What is set up is in use, and so much later all is tracked by it.
+#[track_caller]
+fn sets_up(operator: &Operator, path: &str, asked: &Value) {
+    let (status, told) = operator.post(path, asked);
+    let stopped = told["said"].as_str().is_some_and(|said| said.contains("the arm is stopped"));
+    assert!(status == 200 && stopped, "{path}: {status}, {told}");
+    let since_us = operator.snapshot()["time_us"].as_u64().unwrap();
+    operator.until("tracking", |operator| tracked_after(operator, since_us));
+}
+
+/// The same colours, each reference a tenth darker: another threshold for every ball.
+fn darker(colours: &str) -> String {
+    let darker = |line: &str| {
+        let Some(numbers) = line.strip_prefix("reference = [") else { return line.to_owned() };
+        let numbers = numbers.trim_end_matches(']').split(',');
+        let darker: Vec<_> =
+            numbers.map(|n| (n.trim().parse::<u32>().unwrap() * 9 / 10).to_string()).collect();
+        format!("reference = [{}]", darker.join(", "))
+    };
+    colours.lines().map(darker).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_session_in_which_the_cameras_are_set_up_replays_to_the_same_bits() {
+    let dir = tempfile::tempdir().unwrap();
+    let camera = "source = \"sim:demo?format=nv12\"\nfps = 15";
+    let file = ALL.replace("source = \"sim:still\"", camera);
+    let file = format!("{file}{PATIENT}[console]\nlisten = \"127.0.0.1:0\"\n");
+    fs::write(dir.path().join("tetrad.toml"), file).unwrap();
+    let operator = Operator::start(dir.path(), "--hold-to-run console --record session.mcap");
+    operator.until("tracking", |operator| tracked_after(operator, 0));
+    operator.until("balls in both cameras", |operator| {
+        let (status, told) = operator.post("/api/setup/find", &json!({}));
+        assert_eq!(status, 200, "{told}");
+        let said = told["said"].as_str().unwrap_or_default();
+        said.contains("found by 2 of 2 cameras").then_some(())
+    });
+    sets_up(&operator, "/api/setup/use", &json!({}));
+    sets_up(&operator, "/api/setup/arm", &json!({ "arm_mm": 82.5 }));
+    let colours = operator.get("/api/setup/colours?camera=0");
+    let others = darker(&colours);
+    assert_ne!(colours, others);
+    let (status, told) =
+        operator.post("/api/setup/colours", &json!({ "camera": 0, "file": "dark.toml", "text": others }));
+    assert_eq!(status, 200, "{told}");
+    sets_up(&operator, "/api/setup/use", &json!({ "camera": 0 }));
+    let said = operator.end();
+    assert!(said.contains("recorded        ") && !said.contains("left out        "), "{said}");
+
+    let ran = tetrad(dir.path(), "replay session.mcap --out out").done();
+    for what in ["left observations", "right observations", "instants", "poses"] {
+        let line = ran.stdout.lines().find_map(|line| line.strip_prefix(what)).unwrap_or_default();
+        let count = line.split_whitespace().next().and_then(|count| count.parse::<u64>().ok());
+        assert!(line.contains(" identical, hash ") && count > Some(45), "{what}: {ran:#?}");
+    }
+
+    // each stands before the first picture, or instant, that it counts for
+    let all = entries(&dir.path().join("session.mcap"));
+    let mut counts = [0; 3];
+    for (at, entry) in all.iter().enumerate() {
+        let (kind, counts_for) = match entry.topic {
+            Topic::Taught(camera) => (camera, Topic::Image(camera)),
+            Topic::HandBegins => (2, Topic::Hand),
+            _ => continue,
+        };
+        counts[kind] += 1;
+        let first = all[at..].iter().find(|later| later.topic == counts_for).unwrap();
+        assert_eq!(first.sequence, entry.sequence, "{:?}", entry.topic);
+    }
+    assert_eq!(counts, [2, 1, 3], "the left camera twice, the right once, the hand each time");
+
+    // and without them it is another session
+    let mut reader = Reader::open(&dir.path().join("session.mcap")).unwrap();
+    let tape = Tape::start(&dir.path().join("less.mcap"), &reader.beginning().message()).unwrap();
+    while let Some(Entry { topic, time_us, sequence, mut bytes, .. }) = reader.next_entry().unwrap() {
+        if !matches!(topic, Topic::Taught(_) | Topic::HandBegins) {
+            tape.feed().put(topic, time_us, sequence, |into| into.append(&mut bytes));
+        }
+    }
+    tape.finish(BTreeMap::new()).unwrap();
+    tetrad(dir.path(), "replay less.mcap --out out").refused(1, &["are not those that were recorded"]);
 }
 
 /// Ends as it is told to, the button released.

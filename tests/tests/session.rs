@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use tetrad::learning;
 use tetrad::pipeline::{CameraStart, Pipeline};
-use tetrad::session::schema::tetrad::{Chain, Hand, Observations};
+use tetrad::session::schema::tetrad::{Chain, Colour, Hand, HandBegins, LearntBall, Observations, Taught};
 use tetrad::session::{
     Beginning, CameraBeginning, Outcome, Pictures, Reader, SessionError, Steps, Tape, Topic, replay,
 };
@@ -138,6 +138,36 @@ fn a_picture_that_is_another_gives_another_result_and_is_named() {
     assert_eq!(left.recorded, same.compared[0].recorded, "what was recorded is what it was");
 }
 
+/// The same session, as if something had been set up at its end.
+fn set_up_at_the_end(from: &Path, to: &Path) {
+    let mut reader = Reader::open(from).unwrap();
+    let tape = Tape::start(to, &reader.beginning().message()).unwrap();
+    let mut time_us = 0;
+    while let Some(entry) = reader.next_entry().unwrap() {
+        let mut bytes = entry.bytes;
+        time_us = entry.time_us;
+        tape.feed().put(entry.topic, time_us, entry.sequence, |into| into.append(&mut bytes));
+    }
+    let colour = Some(Colour { r: 200, g: 30, b: 40 });
+    let (ball, aspect, diameter_px) = ("red".to_owned(), 1.0, 20.5);
+    let (reference, typical, background) = (colour, colour, colour);
+    let red = LearntBall {
+        ball,
+        primary: 1,
+        reference,
+        typical,
+        background,
+        diameter_px,
+        aspect,
+        ..LearntBall::default()
+    };
+    let taught = Taught { frame: 10, time_us, rigid: false, balls: vec![red] };
+    tape.feed().insist(Topic::Taught(0), time_us, 10, &taught);
+    let begins = HandBegins { frame: 10, time_us, arms_m: vec![0.08, 0.08, 0.09] };
+    tape.feed().insist(Topic::HandBegins, time_us, 10, &begins);
+    tape.finish(BTreeMap::new()).unwrap();
+}
+
 #[test]
 fn others_read_every_channel() {
     let Some(python) = peers::python() else {
@@ -145,8 +175,9 @@ fn others_read_every_channel() {
         return;
     };
     let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("session.mcap");
-    record(&path, PixelFormat::Rgb888, 1.0);
+    let [recorded, path] = ["recorded.mcap", "session.mcap"].map(|name| dir.path().join(name));
+    record(&recorded, PixelFormat::Rgb888, 1.0);
+    set_up_at_the_end(&recorded, &path);
     let script = tetrad_tests::repository().join("tests/scripts/mcap_check.py");
     let run = Command::new(python).arg(script).arg(&path).output().unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
@@ -177,6 +208,7 @@ fn others_read_every_channel() {
         assert_eq!(channels[topic]["decoded"].as_u64(), Some(*count), "{topic}");
     }
     assert_eq!((counts["/left/image"], counts["/hand"]), (10, 10));
+    assert_eq!((counts["/left/taught"], counts["/hand/begins"]), (1, 1));
     let number = |value: &serde_json::Value| value.as_f64().unwrap() as f32;
     for (at, (u, v)) in balls.iter().enumerate() {
         let red = &said["red"][at];

@@ -2,17 +2,14 @@
 
 use super::picture;
 use super::schema::tetrad as msg;
-use crate::balls::{BallSet, ball_by_name};
+use super::taught;
+use crate::balls::BallSet;
 use crate::pipeline::{CameraStart, PipelineConfig};
 use crate::settings::Mode;
 use tetrad_core::config::{FilterConfig, OneEuroConfig, Prediction, Smoothing, TrackerConfig};
-use tetrad_core::geometry::ImagePoint;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::filter::PoseFilter;
-use tetrad_core::observation::{BALLS, Ball};
-use tetrad_core::vision::appearance::LearntBall;
-use tetrad_core::vision::colour::{Primary, Reference};
-use tetrad_core::vision::frame::{PixelFormat, Rgb};
+use tetrad_core::vision::frame::PixelFormat;
 
 /// A camera whose pictures are recorded.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,9 +125,12 @@ impl Beginning {
         self.cameras.iter().map(|camera| camera.name.clone()).collect()
     }
 
-    /// The balls that are tracked.
+    /// The balls that are tracked; of stations any may be, for they are taught anew while they run.
     #[must_use]
     pub fn balls(&self) -> BallSet {
+        if self.chain == msg::Chain::Stations {
+            return BallSet::ALL;
+        }
         let known = self.cameras.iter().find_map(|camera| BallSet::known(&camera.start.balls));
         known.unwrap_or(BallSet::ALL)
     }
@@ -153,7 +153,6 @@ fn mode(name: &str) -> Result<Mode, String> {
 
 fn camera_message(camera: &CameraBeginning) -> msg::Camera {
     let (width, height) = camera.pictures.as_ref().map_or((0, 0), |pictures| pictures.size);
-    let balls = Ball::ALL.into_iter().zip(camera.start.balls).zip(camera.start.places);
     msg::Camera {
         name: camera.name.clone(),
         source: camera.source.clone(),
@@ -167,9 +166,7 @@ fn camera_message(camera: &CameraBeginning) -> msg::Camera {
         focal_px: camera.start.focal_px,
         mode: camera.mode.name().to_owned(),
         rigid: camera.rigid,
-        balls: balls
-            .filter_map(|((ball, learnt), place)| Some(ball_message(ball, &learnt?, place)))
-            .collect(),
+        balls: taught::balls_message(&camera.start.balls, &camera.start.places),
     }
 }
 
@@ -187,15 +184,8 @@ fn camera_of(message: &msg::Camera) -> Result<CameraBeginning, String> {
         let size = (side(message.width)?, side(message.height)?);
         Some(Pictures { size, format, fps: message.fps.filter(|fps| fps.is_finite() && *fps > 0.0) })
     };
-    let (mut balls, mut places) = ([None; BALLS], [None; BALLS]);
-    for message in &message.balls {
-        let ball = ball_by_name(&message.ball).map_err(|error| format!("camera {name}: {error}"))?;
-        balls[ball.index()] = Some(
-            ball_of(message)
-                .ok_or_else(|| format!("camera {name}: the {} ball has no colours", message.ball))?,
-        );
-        places[ball.index()] = message.place.map(|place| ImagePoint::new(place.u, place.v));
-    }
+    let (balls, places) =
+        taught::balls_of(&message.balls).map_err(|reason| format!("camera {name}: {reason}"))?;
     let start = CameraStart { balls, places, focal_px: message.focal_px };
     Ok(CameraBeginning {
         name: name.clone(),
@@ -205,37 +195,6 @@ fn camera_of(message: &msg::Camera) -> Result<CameraBeginning, String> {
         mode: mode(&message.mode)?,
         rigid: message.rigid,
     })
-}
-
-fn ball_message(ball: Ball, learnt: &LearntBall, place: Option<ImagePoint>) -> msg::LearntBall {
-    let colour = |rgb: Rgb| Some(msg::Colour { r: rgb.r.into(), g: rgb.g.into(), b: rgb.b.into() });
-    let Reference { primary, reference, typical, background } = learnt.reference;
-    msg::LearntBall {
-        ball: ball.name().to_owned(),
-        primary: primary as u32,
-        reference: colour(reference),
-        typical: colour(typical),
-        background: colour(background),
-        diameter_px: learnt.diameter,
-        aspect: learnt.aspect,
-        place: place.map(|place| msg::Place { u: place.u, v: place.v }),
-    }
-}
-
-fn ball_of(message: &msg::LearntBall) -> Option<LearntBall> {
-    let component = |value: u32| u8::try_from(value).ok();
-    let colour = |colour: Option<msg::Colour>| {
-        let colour = colour?;
-        Some(Rgb::new(component(colour.r)?, component(colour.g)?, component(colour.b)?))
-    };
-    let primary = Primary::ALL.into_iter().find(|primary| *primary as u32 == message.primary)?;
-    let reference = Reference {
-        primary,
-        reference: colour(message.reference)?,
-        typical: colour(message.typical)?,
-        background: colour(message.background)?,
-    };
-    Some(LearntBall { reference, diameter: message.diameter_px, aspect: message.aspect })
 }
 
 fn filter_message(filter: &FilterConfig) -> msg::Filter {
@@ -284,6 +243,11 @@ fn filter_of(message: &msg::Filter) -> FilterConfig {
 mod tests {
     use super::*;
     use prost::Message as _;
+    use tetrad_core::geometry::ImagePoint;
+    use tetrad_core::observation::BALLS;
+    use tetrad_core::vision::appearance::LearntBall;
+    use tetrad_core::vision::colour::{Primary, Reference};
+    use tetrad_core::vision::frame::Rgb;
 
     fn beginning() -> Beginning {
         let learnt = LearntBall {
@@ -340,6 +304,7 @@ mod tests {
             let bytes = beginning.message().encode_to_vec();
             let back = Beginning::of(&msg::Configuration::decode(bytes.as_slice()).unwrap()).unwrap();
             assert_eq!(back, beginning);
+            assert_eq!(back.balls(), BallSet::ALL, "whatever it is taught later");
         }
     }
 

@@ -3,6 +3,7 @@
 use super::schema::foxglove as fox;
 use super::schema::tetrad as msg;
 use crate::pipeline::HandStep;
+use crate::station::pairing::{Joined, Source};
 use nalgebra::{Rotation3, UnitQuaternion};
 use tetrad_core::geometry::{ImagePoint, Pose};
 use tetrad_core::hand::motion::Motion;
@@ -120,6 +121,26 @@ pub(super) fn hand(frame: u64, capture_us: u64, step: &HandStep) -> msg::Hand {
         motion: report.motion.as_ref().ok().map(motion),
         refusal: report.motion.as_ref().err().map_or_else(String::new, ToString::to_string),
         engagements: step.engagements,
+    }
+}
+
+/// An instant as it is written.
+#[must_use]
+pub(super) fn instant(joined: &Joined, asked_us: u64) -> msg::Instant {
+    let views = joined.views.iter().map(|view| {
+        let (known, between_us) = match view.source {
+            Source::Missing => (msg::Known::Missing, 0),
+            Source::Seen => (msg::Known::Seen, 0),
+            Source::Between(us) => (msg::Known::Between, us),
+        };
+        msg::View { known: known.into(), between_us, balls: balls(&view.balls) }
+    });
+    msg::Instant {
+        capture_us: joined.t_us,
+        asked_us,
+        // at most eight
+        reference: joined.reference as u32,
+        views: views.collect(),
     }
 }
 

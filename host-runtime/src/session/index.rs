@@ -296,6 +296,8 @@ const fn is_kept(topic: Topic) -> bool {
     match topic {
         Topic::Image(_)
         | Topic::Observations(_)
+        | Topic::Taught(_)
+        | Topic::HandBegins
         | Topic::Hand
         | Topic::Buttons
         | Topic::Arm

@@ -8,6 +8,9 @@
 //! console:   FILE.mcap --> Index, Lookup --> Moment: what is looked at and no more
 //! ```
 //!
+//! What cameras and hand are taught meanwhile stands between the pictures and the instants that it counts for,
+//! and a replay begins anew there as the run did.
+//!
 //! docs/sessions.md lists the topics. Frames are stored as they were captured, everything that was
 //! computed with its bits, beside what Foxglove and others show of it.
 
@@ -26,6 +29,7 @@ mod stations;
 mod steps;
 mod summary;
 mod tape;
+mod taught;
 #[cfg(test)]
 pub(crate) mod testing;
 mod topic;

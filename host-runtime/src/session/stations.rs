@@ -4,20 +4,21 @@
 use super::convert;
 use super::error::SessionError;
 use super::picture;
-use super::replay::instant_message;
 use super::schema::foxglove::Level;
 use super::schema::tetrad as msg;
 use super::steps::{HAND, HAND_START};
 use super::tape::{Feed, Recorded, Tape};
+use super::taught;
 use super::topic::Topic;
 use crate::link::Received;
 use crate::station::arm_words;
-use crate::station::camera::Onlooker;
+use crate::station::camera::{Onlooker, Order, Windows};
 use crate::station::delays::{Delays, Spread, Stage};
 use crate::station::operator::{Buttons, OperatorStep, OperatorTurn};
 use std::collections::BTreeMap;
 use tetrad_core::arm::governor::Limits;
 use tetrad_core::geometry::Pose;
+use tetrad_core::hand::affine::Arms;
 use tetrad_core::vision::frame::FrameView;
 use tetrad_core::wire::{ArmStatePacket, ObservationPacket};
 
@@ -28,20 +29,25 @@ const TOOL: &str = "tool_set_point";
 /// How often the delays are written, microseconds.
 const DELAYS_US: u64 = 1_000_000;
 
-/// Where one camera's thread leaves its pictures.
+/// Where one camera's thread leaves its pictures, and what it was taught between them.
 struct CameraTape {
     feed: Feed,
     camera: usize,
     name: String,
 }
 
-impl CameraTape {
+impl Onlooker for CameraTape {
     /// Keeps a picture, or leaves it out where the disk is behind.
-    fn picture(&self, view: &FrameView<'_>, packet: &ObservationPacket) {
+    fn pictured(&mut self, view: &FrameView<'_>, packet: &ObservationPacket, _windows: &Windows) {
         let stamp = self.feed.timestamp(packet.capture_us);
         self.feed.offer(Topic::Image(self.camera), packet.capture_us, packet.sequence, |bytes| {
             picture::encode(view, &self.name, stamp, bytes);
         });
+    }
+
+    fn taught(&mut self, order: &Order, from: u32, now_us: u64) {
+        let message = taught::message(order, from, now_us);
+        self.feed.insist(Topic::Taught(self.camera), now_us, from, &message);
     }
 }
 
@@ -61,12 +67,11 @@ impl StationTape {
         Self { tape, names, instants: 0, buttons: None, delays_us: None }
     }
 
-    /// What a camera of this computer lends its pictures to.
+    /// What looks on at a camera of this computer.
     #[must_use]
-    pub fn onlooker(&self, camera: usize) -> Onlooker {
+    pub fn onlooker(&self, camera: usize) -> Box<dyn Onlooker> {
         let name = self.names.get(camera).cloned().unwrap_or_default();
-        let tape = CameraTape { feed: self.tape.feed().clone(), camera, name };
-        Box::new(move |view, packet, _| tape.picture(view, packet))
+        Box::new(CameraTape { feed: self.tape.feed().clone(), camera, name })
     }
 
     /// What a camera saw has come; what was seen nobody knows when is no part of the session.
@@ -88,6 +93,13 @@ impl StationTape {
         feed.message(Topic::Observations(camera), capture_us, what.sequence, &seen);
         let drawn = convert::annotations(feed.timestamp(capture_us), &what.balls);
         feed.message(Topic::Annotations(camera), capture_us, what.sequence, &drawn);
+    }
+
+    /// The hand was set up anew, with these arms: what comes of the next turn is of another hand.
+    pub fn hand_begins(&self, arms: Arms, now_us: u64) {
+        let arms_m = arms.lengths_m().to_vec();
+        let message = msg::HandBegins { frame: self.instants, time_us: now_us, arms_m };
+        self.tape.feed().insist(Topic::HandBegins, now_us, self.instants as u32, &message);
     }
 
     /// The buttons as they are at `now_us`; written where they changed.
@@ -115,7 +127,7 @@ impl StationTape {
         let (t_us, number) = (step.joined.t_us, self.instants);
         self.instants += 1;
         let sequence = number as u32;
-        feed.message(Topic::Instant, t_us, sequence, &instant_message(&step.joined, step.asked_us));
+        feed.message(Topic::Instant, t_us, sequence, &convert::instant(&step.joined, step.asked_us));
         feed.message(Topic::Hand, t_us, sequence, &convert::hand(number, t_us, &step.hand));
         feed.message(Topic::Command, t_us, sequence, &convert::command(&step.motion));
         let stamp = feed.timestamp(t_us);

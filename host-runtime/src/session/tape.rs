@@ -183,6 +183,15 @@ impl Feed {
         self.offer(topic, time_us, sequence, fill)
     }
 
+    /// Hands in what is small and rare, and without which nothing after it can be replayed: it is taken where
+    /// too much waits already, too.
+    pub fn insist(&self, topic: Topic, time_us: u64, sequence: u32, message: &impl prost::Message) {
+        let (state, bytes) = (self.lock(), message.encode_to_vec());
+        if !state.closed {
+            self.push(state, Entry { topic, time_us, sequence, bytes });
+        }
+    }
+
     /// Hands in a line that somebody should read.
     pub fn log(&self, time_us: u64, level: Level, line: &str) {
         let timestamp = Some(self.timestamp(time_us));

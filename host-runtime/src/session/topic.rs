@@ -11,6 +11,10 @@ pub enum Topic {
     Observations(usize),
     /// The same, to be drawn over them.
     Annotations(usize),
+    /// What it is to look for from a picture on: it was taught anew.
+    Taught(usize),
+    /// The hand is another from here on: it was set up anew.
+    HandBegins,
     /// When an operator asked for an instant, and what it got.
     Instant,
     /// The hand to the bit.
@@ -38,8 +42,9 @@ pub enum Topic {
 }
 
 /// The topics that are not a camera's.
-const SINGLE: [(Topic, &str, &str); 13] = [
+const SINGLE: [(Topic, &str, &str); 14] = [
     (Topic::Configuration, "/configuration", "tetrad.Configuration"),
+    (Topic::HandBegins, "/hand/begins", "tetrad.HandBegins"),
     (Topic::Instant, "/hand/instant", "tetrad.Instant"),
     (Topic::Hand, "/hand", "tetrad.Hand"),
     (Topic::Pose, "/hand/pose", "foxglove.PoseInFrame"),
@@ -66,6 +71,7 @@ impl Topic {
             Self::Image(camera) => of(camera, "image"),
             Self::Observations(camera) => of(camera, "observations"),
             Self::Annotations(camera) => of(camera, "annotations"),
+            Self::Taught(camera) => of(camera, "taught"),
             single => SINGLE
                 .iter()
                 .find(|(topic, ..)| *topic == single)
@@ -80,14 +86,16 @@ impl Topic {
             Self::Image(_) => "foxglove.RawImage",
             Self::Observations(_) => "tetrad.Observations",
             Self::Annotations(_) => "foxglove.ImageAnnotations",
+            Self::Taught(_) => "tetrad.Taught",
             single => SINGLE.iter().find(|(topic, ..)| *topic == single).map_or("", |(_, _, schema)| schema),
         }
     }
 
     /// Every topic that a session of so many cameras may have.
     pub fn all(cameras: usize) -> impl Iterator<Item = Self> {
-        let of_cameras =
-            (0..cameras).flat_map(|at| [Self::Image(at), Self::Observations(at), Self::Annotations(at)]);
+        let of_cameras = (0..cameras).flat_map(|at| {
+            [Self::Image(at), Self::Observations(at), Self::Annotations(at), Self::Taught(at)]
+        });
         SINGLE.iter().map(|(topic, ..)| *topic).chain(of_cameras)
     }
 

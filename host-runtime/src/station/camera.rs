@@ -13,13 +13,13 @@ mod handle;
 mod thread;
 
 pub use counts::CameraCounts;
-pub use handle::{CameraHandle, Grab, Still, Taught};
-pub use thread::CameraThread;
+pub use handle::{CameraHandle, Grab, Order, Still, Taught};
+pub use thread::{CameraThread, Onlooker};
 
 use super::back_off::BackOff;
 use crate::camera_start::{Named, camera_start};
 use crate::exit::{Exit, Failure, OrExit as _};
-use crate::pipeline::CameraStart;
+use crate::pipeline::{CameraStart, tracker_of};
 use crate::robot::clock::Clock;
 use crate::settings::Start;
 use crate::settings::station::{CameraStart as Known, LocalCamera};
@@ -28,7 +28,7 @@ use anyhow::Context as _;
 use std::time::Duration;
 use tetrad_core::config::TrackerConfig;
 use tetrad_core::geometry::ImagePoint;
-use tetrad_core::observation::{BALLS, Ball};
+use tetrad_core::observation::BALLS;
 use tetrad_core::vision::frame::FrameView;
 use tetrad_core::vision::search::Region;
 use tetrad_core::vision::tracker::CameraTracker;
@@ -42,14 +42,13 @@ pub trait CameraSink {
 
     /// The picture they were made of, after that, and where each ball was looked for first.
     fn pictured(&mut self, _picture: &FrameView<'_>, _packet: &ObservationPacket, _windows: &Windows) {}
+
+    /// It was taught anew: the picture of that number, which is its next, is the first that is looked at so.
+    fn taught(&mut self, _order: &Order, _from: u32, _now_us: u64) {}
 }
 
 /// Where each ball was looked for first; `None` where it was searched in the whole picture.
 pub type Windows = [Option<Region>; BALLS];
-
-/// What is lent each picture on the camera's thread, with what was seen in it and where it was looked for. It
-/// keeps nobody waiting.
-pub type Onlooker = Box<dyn FnMut(&FrameView<'_>, &ObservationPacket, &Windows) + Send>;
 
 impl<F: FnMut(&ObservationPacket)> CameraSink for F {
     fn observed(&mut self, packet: &ObservationPacket) {
@@ -133,14 +132,9 @@ impl CameraStation {
     ) -> Result<Self, Failure> {
         let info = source.info().clone();
         let name = info.name.clone();
-        let mut tracker = CameraTracker::new(config, start.balls)
+        let tracker = tracker_of(config, start)
             .with_context(|| format!("{name} cannot be tracked"))
             .or_exit(Exit::BadArguments)?;
-        for (ball, place) in Ball::ALL.into_iter().zip(start.places) {
-            if let Some(place) = place {
-                tracker.place(ball, place);
-            }
-        }
         let notices = source.take_notices();
         let handle = CameraHandle::new(config, start, (source.info().width, source.info().height));
         Ok(Self {
@@ -167,8 +161,9 @@ impl CameraStation {
     /// # Errors
     /// A recording that cannot be read on.
     pub fn step(&mut self, sink: &mut dyn CameraSink) -> Result<Step, Failure> {
-        if let Some(tracker) = self.handle.take_order() {
+        if let Some((order, tracker)) = self.handle.take_order() {
             self.tracker = tracker;
+            sink.taught(&order, self.sequence, self.clock.now_us());
             self.notices.push(format!("{}: it looks for balls as they were taught anew", self.name));
         }
         let Some(source) = &mut self.source else { return Ok(self.open_again()) };

@@ -1,6 +1,8 @@
 //! What the tests of the `tetrad` program share: running it, clips rendered to disk, reading results.
 #![allow(dead_code, reason = "every test file uses its own part")]
 
+pub(crate) mod console;
+
 use std::fs::{self, File};
 use std::io::{BufWriter, Seek as _, Write as _};
 use std::path::{Path, PathBuf};

@@ -239,6 +239,9 @@ impl Run {
         }
         if let Some(arms) = self.parts.console.as_ref().and_then(|(_, desk)| desk.take_arms()) {
             self.parts.station.set_up(arms);
+            if let Some(tape) = &self.parts.tape {
+                tape.hand_begins(arms, now_us);
+            }
             let [mm, ..] = arms.lengths_m().map(|m| m * 1000.0);
             lines.push(format!("set up anew: a frame with arms of {mm:.1} mm"));
         }

@@ -95,6 +95,8 @@ fn every_message_by_hand_has_the_fields_of_its_descriptor() {
     agrees::<foxglove::JointStates>("foxglove.JointStates", &[]);
     agrees::<foxglove::Log>("foxglove.Log", &["file", "line"]);
     agrees::<tetrad::Configuration>("tetrad.Configuration", &[]);
+    agrees::<tetrad::Taught>("tetrad.Taught", &[]);
+    agrees::<tetrad::HandBegins>("tetrad.HandBegins", &[]);
     agrees::<tetrad::Observations>("tetrad.Observations", &[]);
     agrees::<tetrad::Hand>("tetrad.Hand", &[]);
     agrees::<tetrad::Instant>("tetrad.Instant", &[]);

@@ -90,6 +90,38 @@ pub struct LearntBall {
     pub place: Option<Place>,
 }
 
+/// A camera was taught anew: from a picture on it looks for these balls, anywhere.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Taught {
+    /// That picture's number: the sequence of its message.
+    #[prost(uint32, tag = "1")]
+    pub frame: u32,
+    /// Time us.
+    #[prost(uint64, tag = "2")]
+    pub time_us: u64,
+    /// Whether the balls are one rigid frame.
+    #[prost(bool, tag = "3")]
+    pub rigid: bool,
+    /// Those that are tracked from there on.
+    #[prost(message, repeated, tag = "4")]
+    pub balls: Vec<LearntBall>,
+}
+
+/// The hand was set up anew: it is another, of which nothing is known but its arms, and its pose is told in
+/// the axes of its own first complete instant.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct HandBegins {
+    /// The first instant that may be of it, as Hand.frame counts.
+    #[prost(uint64, tag = "1")]
+    pub frame: u64,
+    /// Time us.
+    #[prost(uint64, tag = "2")]
+    pub time_us: u64,
+    /// Length of E1, E2 and E3.
+    #[prost(float, repeated, tag = "3")]
+    pub arms_m: Vec<f32>,
+}
+
 /// Eight bits a component.
 #[derive(Clone, Copy, PartialEq, prost::Message)]
 pub struct Colour {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::session::schema::tetrad::Taught;
 use crate::session::{Beginning, Reader};
 use crate::settings::Mode;
 use std::time::{Duration, Instant};
@@ -70,14 +71,16 @@ fn who_must_not_wait_never_does_and_what_is_left_out_is_counted_and_written() {
         for at in 0..3 {
             taken += u32::from(feed.offer(Topic::Image(0), at, 0, |bytes| bytes.push(1)));
         }
-        feed.lock().bytes = 0;
     }
     assert_eq!(taken, 0);
+    // what the rest hangs on is taken all the same
+    feed.insist(Topic::Taught(0), 8, 9, &Taught { frame: 9, ..Taught::default() });
+    feed.lock().bytes = 0;
     assert!(feed.offer(Topic::Image(0), 9, 9, |bytes| bytes.push(1)));
     let recorded = tape.finish(BTreeMap::new()).unwrap();
     assert_eq!(recorded.left_out, BTreeMap::from([("/left/image".to_owned(), 3)]));
     let (all, reader) = entries(&path);
-    assert_eq!(all, [(Topic::Image(0), 9, 9, 1)]);
+    assert_eq!(all, [(Topic::Taught(0), 8, 9, 2), (Topic::Image(0), 9, 9, 1)]);
     assert_eq!(reader.end().unwrap().get("left out /left/image").map(String::as_str), Some("3"));
 }
 

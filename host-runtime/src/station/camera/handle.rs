@@ -3,7 +3,7 @@
 //! The camera's thread looks at one flag a picture. Whoever asks is called back there, and never holds it
 //! up.
 
-use crate::pipeline::CameraStart;
+use crate::pipeline::{CameraStart, tracker_of};
 use std::collections::VecDeque;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,6 +20,15 @@ const MOST_GRABS: usize = 16;
 
 /// The balls of a camera, ordered as [`tetrad_core::observation::Ball::ALL`].
 pub type Taught = [Option<LearntBall>; BALLS];
+
+/// What a camera looks for from a picture on: everything that its tracker begins with then.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Order {
+    /// The balls, which are anywhere.
+    pub balls: Taught,
+    /// How they are tracked.
+    pub config: TrackerConfig,
+}
 
 /// Called on the camera's thread with its next picture: it hands it on, and does nothing else there.
 pub type Grab = Box<dyn FnOnce(Arc<Still>) + Send>;
@@ -116,7 +125,7 @@ impl CameraHandle {
     /// # Errors
     /// [`TrackerError`] naming the ball.
     pub fn check(&self, balls: &Taught) -> Result<(), TrackerError> {
-        self.tracker(balls).map(drop)
+        self.order(balls).tracker().map(drop)
     }
 
     /// It looks for these balls from its next picture on, and everywhere in it.
@@ -152,14 +161,14 @@ impl CameraHandle {
         asks.grabs.clear();
     }
 
-    /// The tracker of balls that it is to look for from now on, where it was taught others.
-    pub(super) fn take_order(&self) -> Option<CameraTracker> {
+    /// What it is to look for from now on, and its tracker, where it was taught anew.
+    pub(super) fn take_order(&self) -> Option<(Order, CameraTracker)> {
         if !self.0.asked.load(Ordering::Acquire) {
             return None;
         }
-        let order = self.lock().order.take()?;
+        let order = self.order(&self.lock().order.take()?);
         // it was checked when it was given
-        self.tracker(&order).ok()
+        order.tracker().ok().map(|tracker| (order, tracker))
     }
 
     /// Hands the picture to those who wait for one.
@@ -178,14 +187,24 @@ impl CameraHandle {
         }
     }
 
-    fn tracker(&self, balls: &Taught) -> Result<CameraTracker, TrackerError> {
+    fn order(&self, balls: &Taught) -> Order {
         let rigid = balls.iter().all(Option::is_some);
-        CameraTracker::new(TrackerConfig { rigid, ..self.0.config }, *balls)
+        Order { balls: *balls, config: TrackerConfig { rigid, ..self.0.config } }
     }
 
     fn lock(&self) -> MutexGuard<'_, Asks> {
         // plain data: whoever panicked with the lock left it whole
         self.0.asks.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Order {
+    /// The tracker that begins so, live and in a replay.
+    ///
+    /// # Errors
+    /// [`TrackerError`] naming the ball.
+    pub fn tracker(&self) -> Result<CameraTracker, TrackerError> {
+        tracker_of(self.config, &CameraStart::anywhere(self.balls))
     }
 }
 
@@ -256,7 +275,9 @@ mod tests {
         let smaller = [Some(LearntBall { diameter: 9.0, ..RED }), None, None, None];
         handle.teach(&smaller).unwrap();
         assert_eq!(handle.taught(), smaller);
-        let tracker = handle.take_order().expect("a tracker");
+        let (order, tracker) = handle.take_order().expect("a tracker");
+        assert_eq!(order.balls, smaller);
+        assert!(!order.config.rigid, "one ball is no frame");
         assert_eq!(tracker.reference(Ball::Red), Some(RED.reference));
         assert!(handle.take_order().is_none());
     }

@@ -198,6 +198,52 @@ fn a_camera_that_goes_away_is_opened_again_and_told_of() {
     assert!(station.take_notices().is_empty());
 }
 
+/// What a camera tells, in order.
+#[derive(Default)]
+struct Told {
+    orders: Vec<(Order, u32, u64)>,
+    /// How many orders came before each picture.
+    pictures: Vec<usize>,
+}
+
+impl CameraSink for Told {
+    fn observed(&mut self, packet: &ObservationPacket) {
+        assert_eq!(packet.sequence as usize, self.pictures.len());
+        self.pictures.push(self.orders.len());
+    }
+
+    fn taught(&mut self, order: &Order, from: u32, now_us: u64) {
+        self.orders.push((*order, from, now_us));
+    }
+}
+
+#[test]
+fn what_it_is_taught_is_told_before_the_first_picture_that_is_looked_at_so() {
+    let acts: Vec<_> = (0..5).map(Act::Show).collect();
+    let (mut station, clock) = station(&acts, true, vec![]);
+    let mut told = Told::default();
+    let handle = station.handle();
+    let known = station.start().balls;
+    let [red, ..] = known;
+    for at in 0..5 {
+        match at {
+            // of two at once the last counts
+            2 => [known, [red, None, None, None]].iter().for_each(|balls| handle.teach(balls).unwrap()),
+            4 => handle.teach(&known).unwrap(),
+            _ => {}
+        }
+        let before_us = clock.now_us();
+        assert_eq!(station.step(&mut told).unwrap(), Step::Observed);
+        assert!(told.orders.iter().all(|(_, from, us)| *from < at || *us == before_us), "{at}");
+    }
+    assert_eq!(told.pictures, [0, 0, 1, 1, 2]);
+    let [(one, from_one, _), (all, from_all, _)] = told.orders.as_slice() else { panic!("two orders") };
+    assert_eq!((*from_one, *from_all), (2, 4));
+    assert_eq!((one.balls, one.config.rigid), ([red, None, None, None], false));
+    assert_eq!((all.balls, all.config.rigid), (known, true));
+    assert_eq!(TrackerConfig { rigid: true, ..one.config }, all.config, "all else is the camera's own");
+}
+
 #[test]
 fn a_recording_that_cannot_be_read_on_ends_the_station() {
     let (mut station, _) = station(&[Act::Show(0), Act::Fail], false, vec![]);

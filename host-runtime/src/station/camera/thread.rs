@@ -1,6 +1,6 @@
 //! A camera of this computer on a thread of its own, for an operator in the same process.
 
-use super::{CameraCounts, CameraHandle, CameraSink, CameraStation, Onlooker, Step, Windows};
+use super::{CameraCounts, CameraHandle, CameraSink, CameraStation, Order, Step, Windows};
 use crate::exit::Failure;
 use crate::link::Received;
 use crate::station::newest::Newest;
@@ -10,6 +10,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use tetrad_core::vision::frame::FrameView;
 use tetrad_core::wire::ObservationPacket;
+
+/// What looks on at a camera, on the camera's thread. It keeps nobody waiting.
+pub trait Onlooker: Send {
+    /// It is lent each picture, with what was seen in it and where it was looked for.
+    fn pictured(&mut self, picture: &FrameView<'_>, packet: &ObservationPacket, windows: &Windows);
+
+    /// The camera was taught anew: the picture of that number, which is its next, is the first that is looked
+    /// at so.
+    fn taught(&mut self, _order: &Order, _from: u32, _now_us: u64) {}
+}
 
 /// A running [`CameraStation`]. Its observations come as those of another station do.
 pub struct CameraThread {
@@ -23,14 +33,14 @@ type Ended = (CameraCounts, Result<(), Failure>);
 
 impl CameraThread {
     /// Starts it; `ring` wakes the operator's loop whenever there are new observations, and the
-    /// `onlookers` are lent each picture after that, one after the other.
+    /// `onlookers` look on after that, one after the other.
     ///
     /// # Errors
     /// The system has no thread left.
     pub fn start(
         station: CameraStation,
         ring: impl Fn() + Send + 'static,
-        onlookers: Vec<Onlooker>,
+        onlookers: Vec<Box<dyn Onlooker>>,
     ) -> io::Result<Self> {
         let newest = Arc::new(Newest::default());
         let handle = station.handle();
@@ -95,7 +105,7 @@ impl Drop for CameraThread {
 struct Place<'a> {
     newest: &'a Newest,
     ring: &'a dyn Fn(),
-    onlookers: Vec<Onlooker>,
+    onlookers: Vec<Box<dyn Onlooker>>,
 }
 
 impl CameraSink for Place<'_> {
@@ -108,7 +118,13 @@ impl CameraSink for Place<'_> {
 
     fn pictured(&mut self, picture: &FrameView<'_>, packet: &ObservationPacket, windows: &Windows) {
         for onlooker in &mut self.onlookers {
-            onlooker(picture, packet, windows);
+            onlooker.pictured(picture, packet, windows);
+        }
+    }
+
+    fn taught(&mut self, order: &Order, from: u32, now_us: u64) {
+        for onlooker in &mut self.onlookers {
+            onlooker.taught(order, from, now_us);
         }
     }
 }
