@@ -7,6 +7,7 @@ use super::webdriver::Session;
 use serde_json::{Value, json};
 use std::io::{BufRead as _, BufReader};
 use std::os::unix::process::CommandExt as _;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -57,14 +58,13 @@ impl Browser {
 
     fn start() -> Self {
         let profile = tempfile::tempdir().expect("a directory");
-        let (driver, port) = Driver::start();
+        let (driver, port) = Driver::start(profile.path());
         let (width, height) = DESK;
         let capabilities = json!({
             "goog:chromeOptions": {
                 "binary": "/usr/bin/chromium",
                 "args": [
                     "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                    format!("--user-data-dir={}", profile.path().display()),
                     format!("--window-size={width},{height}"),
                 ],
             },
@@ -213,9 +213,11 @@ impl Drop for Browser {
 }
 
 impl Driver {
-    /// At a port of its own, which it tells.
-    fn start() -> (Self, u16) {
+    /// At a port of its own, which it tells. Its browser's profile is of its own making, in a folder for such
+    /// things: a page in one that it is given is not told in every case that it has lost the focus.
+    fn start(temporary: &Path) -> (Self, u16) {
         let mut command = Command::new("chromedriver");
+        command.env("TMPDIR", temporary);
         command.arg("--port=0").stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
         // a signal for the tests is not one for the browser: it is closed
         let mut process = command.process_group(0).spawn().expect("chromedriver starts");
