@@ -26,7 +26,7 @@
 //!
 //! [`link`] joins the stations: packets, pictures and clocks over QUIC, between named stations only.
 //!
-//! Files of text are read by `text_file`, which no name of a pipe can hold up.
+//! Files are opened by `regular_file`, which no name of a pipe can hold up, and those of text read by `text_file`.
 //!
 //! [`settings`] turns flags and files into checked settings, [`cli`] runs a command with them, and
 //! [`exit`] carries what went wrong to `main`, which alone prints errors and ends the process.
@@ -44,6 +44,7 @@ pub mod learning;
 pub mod link;
 pub mod output;
 pub mod pipeline;
+mod regular_file;
 pub mod report;
 pub mod robot;
 pub mod scene_file;

@@ -143,6 +143,22 @@ fn files_that_never_end_are_refused_at_once() {
         let ran = ended_soon(dir.path(), &format!("check --config {config}"));
         ran.refused(2, &[config, "it is a pipe or a device"]);
     }
+    // what the console is served with, by `check` and by the station itself
+    let console = |files: &str| format!("{OPERATOR}[console]\nlisten = \"127.0.0.1:0\"\n{files}");
+    for (files, words) in [
+        ("token_file = \"/dev/zero\"\n", ["[console] token_file", "/dev/zero", "it is a pipe or a device"]),
+        ("token_file = \"pipe\"\n", ["[console] token_file", "pipe", "it is a pipe or a device"]),
+        (
+            "certificate = \"pipe\"\nkey = \"pipe\"\n",
+            ["[console] certificate", "pipe", "it is a pipe or a device"],
+        ),
+        ("sessions = \"tetrad.toml\"\n", ["[console] sessions", "tetrad.toml", "is no folder"]),
+    ] {
+        fs::write(dir.path().join("tetrad.toml"), console(files)).unwrap();
+        for command in ["check --config tetrad.toml", "operator --config tetrad.toml --seconds 1"] {
+            ended_soon(dir.path(), command).refused(2, &words);
+        }
+    }
 }
 
 /// Runs the program; one that hangs is ended, and has no exit code.

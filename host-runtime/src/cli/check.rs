@@ -3,7 +3,7 @@
 mod notes;
 
 use super::{devices, say};
-use crate::console::Checklist;
+use crate::console::{Checklist, Files};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::MDNS;
 use crate::settings::Start;
@@ -11,6 +11,7 @@ use crate::settings::station::{
     CameraSettings, CameraStart, ConsoleSettings, HandCamera, LocalCamera, NetworkSettings, OperatorSettings,
     SceneCamera, SlavePlace, SlaveSettings, StationSettings,
 };
+use anyhow::Context as _;
 use clap::Args;
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -19,7 +20,7 @@ use tetrad_core::config::Workspace;
 pub(super) const EXAMPLES: &str = "\
 Examples:
   tetrad check --config tetrad.toml
-It reads the file, the colours and keys that it names, and says what each station that runs with it
+It reads the file, the colours, keys and secrets that it names, and says what each station that runs with it
 would do. It opens no device and moves nothing. An error names the key and what would mend it; a note says
 what is not as it should be on this computer at the moment, such as a camera that is not plugged in.
 docs/stations.md lists the keys.";
@@ -49,6 +50,10 @@ pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
         tell_operator(operator);
     }
     if let Some(console) = &settings.console {
+        let file = settings.file.display();
+        Files::read(console)
+            .with_context(|| format!("{file}: there would be no console"))
+            .or_exit(Exit::BadArguments)?;
         tell_console(console);
     }
     let here = settings.operator.as_ref().is_some_and(|operator| operator.slave == SlavePlace::Here);

@@ -6,6 +6,7 @@
 //! stands the token, which is needed everywhere where `token_file` is given, and always away from loopback.
 
 use super::app::State;
+use super::room::Ticket;
 use axum::body::Body;
 use axum::extract::{Request, State as Of};
 use axum::http::uri::Authority;
@@ -96,6 +97,15 @@ pub struct Access {
     pub token: Option<Token>,
 }
 
+/// Whose request is answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Trust {
+    /// Anybody's: it asks for what needs no token.
+    Nobody,
+    /// One who has the token, or needs none.
+    Known,
+}
+
 /// Why a request is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Refused {
@@ -116,7 +126,7 @@ impl Access {
         Self { loopback: true, tls: false, names: Vec::new(), token: None }
     }
 
-    fn check(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<(), Refused> {
+    fn check(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<Trust, Refused> {
         let host = one(headers, &header::HOST).ok_or(Refused::ForeignHost)?;
         if !self.is_own_host(host) {
             return Err(Refused::ForeignHost);
@@ -139,8 +149,14 @@ impl Access {
         }
         let open = matches!(uri.path(), "/health" | "/sign-in" | "/style.css");
         match &self.token {
-            Some(token) if !open && !given(headers).any(|given| token.is(given)) => Err(Refused::NoToken),
-            _ => Ok(()),
+            Some(token) if !given(headers).any(|given| token.is(given)) => {
+                if open {
+                    Ok(Trust::Nobody)
+                } else {
+                    Err(Refused::NoToken)
+                }
+            }
+            _ => Ok(Trust::Known),
         }
     }
 
@@ -183,9 +199,14 @@ fn given(headers: &HeaderMap) -> impl Iterator<Item = &str> {
 /// Stands in front of every route.
 pub(super) async fn guard(Of(state): Of<State>, request: Request<Body>, next: Next) -> Response {
     let checked = state.access.check(request.method(), request.uri(), request.headers());
+    // without a socket there is none
+    let ticket = request.extensions().get::<Ticket>().cloned();
+    if let (Ok(Trust::Known), Some(ticket)) = (checked, &ticket) {
+        ticket.is_known();
+    }
     let mut response = match checked {
         // an upgraded socket is answered at once, and goes on by itself
-        Ok(()) => timeout(state.within, next.run(request)).await.unwrap_or_else(|_| {
+        Ok(_) => timeout(state.within, next.run(request)).await.unwrap_or_else(|_| {
             (StatusCode::REQUEST_TIMEOUT, "the request took too long to come\n").into_response()
         }),
         Err(refused) => {
@@ -194,6 +215,9 @@ pub(super) async fn guard(Of(state): Of<State>, request: Request<Body>, next: Ne
             refused.answer(request.headers())
         }
     };
+    if let Some(ticket) = ticket.filter(|_| response.status() == StatusCode::SWITCHING_PROTOCOLS) {
+        ticket.stays();
+    }
     for (name, value) in HEADERS {
         // what may be kept says so itself
         if name != header::CACHE_CONTROL || !response.headers().contains_key(&name) {

@@ -14,7 +14,8 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::Semaphore;
 
-/// WebSockets at once: below what is accepted in all (`serve`), so that a stop by POST gets through.
+/// WebSockets at once: below what is accepted in all (`serve`), for they give way to nobody (`room`), and a stop
+/// by POST has to get through.
 pub const WEB_SOCKETS: usize = 24;
 
 /// What the handlers have.

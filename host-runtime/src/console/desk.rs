@@ -51,6 +51,8 @@ pub struct View {
     pub kind: ViewKind,
     lookers: AtomicUsize,
     newest: Mutex<Option<Arc<Shown>>>,
+    /// Pictures that pages have thanked for.
+    pub(super) thanked: AtomicU64,
 }
 
 /// What was counted, for /metrics.
@@ -59,6 +61,7 @@ pub(super) struct Counts {
     pub(super) sockets: AtomicUsize,
     pub(super) web_sockets: AtomicUsize,
     pub(super) refused: AtomicU64,
+    pub(super) crowded_out: AtomicU64,
     pub(super) pictures: AtomicU64,
 }
 
@@ -102,7 +105,13 @@ impl Desk {
     /// they change.
     #[must_use]
     pub fn new(drives: bool, views: Vec<(String, ViewKind)>, clock: Clock, bell: Doorbell) -> Self {
-        let view = |(name, kind)| View { name, kind, lookers: AtomicUsize::new(0), newest: Mutex::new(None) };
+        let view = |(name, kind)| View {
+            name,
+            kind,
+            lookers: AtomicUsize::new(0),
+            newest: Mutex::new(None),
+            thanked: AtomicU64::new(0),
+        };
         Self(Arc::new(Shared {
             clock,
             bell,
@@ -201,6 +210,13 @@ impl Desk {
     #[must_use]
     pub fn shown(&self, view: usize) -> Option<Arc<Shown>> {
         lock(&self.0.views.get(view)?.newest).clone()
+    }
+
+    /// A page has drawn a picture of a view.
+    pub(super) fn thank(&self, view: usize) {
+        if let Some(view) = self.0.views.get(view) {
+            view.thanked.fetch_add(1, Ordering::Relaxed);
+        }
     }
 
     /// Who drives; for as long as nothing else is done.

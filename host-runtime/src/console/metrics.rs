@@ -1,7 +1,7 @@
 //! `/metrics` in Prometheus's text, and `/health`.
 
 use super::app::State;
-use super::snapshot::Snapshot;
+use super::snapshot::{LinkView, Snapshot};
 use axum::extract::State as Of;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
@@ -43,13 +43,23 @@ pub(super) async fn metrics(Of(state): Of<State>) -> Response {
     text.gauge("tetrad_console_stopped", "whether a stop is latched there", u8::from(control.stopped));
     let refused = counts.refused.load(Ordering::Relaxed);
     text.counter("tetrad_console_refused_total", "requests that were refused", refused);
+    let crowded_out = counts.crowded_out.load(Ordering::Relaxed);
+    text.counter("tetrad_console_crowded_out_total", "connections closed for want of room", crowded_out);
     let pictures = counts.pictures.load(Ordering::Relaxed);
     text.counter("tetrad_console_pictures_total", "pictures made to be looked at", pictures);
+    text.family("tetrad_console_shown_total", "pictures that pages have drawn", "counter");
+    for view in state.desk.views() {
+        let thanked = view.thanked.load(Ordering::Relaxed);
+        text.labelled("tetrad_console_shown_total", &[("view", &view.name)], thanked);
+    }
     ([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], text.0).into_response()
 }
 
+fn seconds(us: u64) -> f64 {
+    us as f64 / 1e6
+}
+
 fn of_loop(text: &mut Text, snapshot: &Snapshot, now_us: u64) {
-    let seconds = |us: u64| us as f64 * 1e-6;
     let age_s = seconds(now_us.saturating_sub(snapshot.time_us));
     text.gauge("tetrad_snapshot_age_seconds", "since the operator's loop has told anything", age_s);
     text.counter("tetrad_snapshots_total", "what the operator's loop has told", snapshot.sequence);
@@ -75,17 +85,56 @@ fn of_loop(text: &mut Text, snapshot: &Snapshot, now_us: u64) {
             text.labelled("tetrad_ball_visible", &labels, ball.visible);
         }
     }
-    text.family("tetrad_link_connected", "whether a station is there", "gauge");
-    for link in &snapshot.links {
-        text.labelled("tetrad_link_connected", &[("station", &link.name)], u8::from(link.connected));
-    }
+    of_links(text, &snapshot.links);
     text.family("tetrad_delay_seconds", "how long a stage takes", "summary");
     for delay in &snapshot.delays {
         for (quantile, ms) in [("0.5", delay.p50_ms), ("0.99", delay.p99_ms)] {
             let labels = [("stage", delay.stage), ("quantile", quantile)];
-            text.labelled("tetrad_delay_seconds", &labels, ms * 1e-3);
+            text.labelled("tetrad_delay_seconds", &labels, ms / 1e3);
         }
         text.labelled("tetrad_delay_seconds_count", &[("stage", delay.stage)], delay.count);
+    }
+}
+
+/// What of a link is a family of its own: its name, what it is, its kind, and the value where there is one.
+type OfLink = (&'static str, &'static str, &'static str, fn(&LinkView) -> Option<f64>);
+
+const LINKS: [OfLink; 8] = [
+    ("tetrad_link_connected", "whether a station is there", "gauge", |link| {
+        Some(f64::from(u8::from(link.connected)))
+    }),
+    ("tetrad_link_age_seconds", "since anything that counts was heard of a station", "gauge", |link| {
+        link.age_us.map(seconds)
+    }),
+    (
+        "tetrad_link_sent_packets_total",
+        "QUIC packets sent to a station on this connection",
+        "counter",
+        |link| link.sent_packets.map(|packets| packets as f64),
+    ),
+    ("tetrad_link_lost_packets_total", "those of them that did not arrive", "counter", |link| {
+        link.lost_packets.map(|packets| packets as f64)
+    }),
+    ("tetrad_link_loss_ratio", "lost packets of those sent, 0 to 1", "gauge", |link| link.loss),
+    ("tetrad_link_round_trip_seconds", "the way to a station and back, smoothed", "gauge", |link| {
+        link.round_trip_us.map(seconds)
+    }),
+    ("tetrad_link_clock_offset_seconds", "a station's clock minus the operator's", "gauge", |link| {
+        link.clock_offset_us.map(|us| us as f64 / 1e6)
+    }),
+    ("tetrad_link_clock_error_seconds", "how wrong that offset may be, either way", "gauge", |link| {
+        link.clock_error_us.map(seconds)
+    }),
+];
+
+fn of_links(text: &mut Text, links: &[LinkView]) {
+    for (name, help, kind, value) in LINKS {
+        text.family(name, help, kind);
+        for link in links {
+            if let Some(value) = value(link) {
+                text.labelled(name, &[("station", &link.name)], value);
+            }
+        }
     }
 }
 
@@ -118,3 +167,6 @@ impl Text {
         let _ = writeln!(self.0, "{name}{labels} {value}");
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -22,6 +22,7 @@ mod arm;
 mod checklist;
 pub mod control;
 pub mod desk;
+mod files;
 mod live;
 mod metrics;
 mod onlooker;
@@ -29,16 +30,18 @@ mod pages;
 mod pictures;
 mod plotly;
 mod replay;
+mod room;
 mod serve;
 mod setup;
 pub mod snapshot;
 #[cfg(test)]
 pub(crate) mod testing;
-mod tls;
 
 pub use access::{Access, Token};
 pub use checklist::{Checker, Checklist};
 pub use desk::{Desk, ViewKind};
+pub(crate) use files::Files;
+pub use files::FilesError;
 pub use onlooker::onlooker;
 pub use replay::Sessions;
 pub use serve::{Console, ConsoleError};

@@ -84,8 +84,9 @@ async fn serve(mut socket: WebSocket, desk: Desk, look: Look, _permit: OwnedSema
             message = socket.recv() => match message {
                 Some(Ok(Message::Text(text))) => {
                     let Ok(Said::Shown { view }) = serde_json::from_str(&text) else { return };
-                    if let Some(line) = lines.iter_mut().find(|line| line.view == view) {
+                    if let Some(line) = lines.iter_mut().find(|line| line.view == view && line.on_its_way) {
                         line.on_its_way = false;
+                        desk.thank(view);
                     }
                 }
                 Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}

@@ -1,33 +1,35 @@
 //! The console's thread: sockets in a bounded number, none of which may keep others waiting.
 
-use super::access::{Access, BadToken, Token};
+use super::access::Access;
 use super::app::app;
 use super::desk::Desk;
+use super::files::{Files, FilesError};
 use super::replay::Sessions;
-use super::tls::{self, TlsError};
+use super::room::{Place, Room, Ticket};
 use crate::settings::station::{ConsolePort, ConsoleSettings};
 use crate::station::step_back;
 use axum::Router;
+use hyper::Request;
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
+use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use std::io;
 use std::net::{SocketAddr, TcpListener as StdListener};
-use std::path::PathBuf;
 use std::pin::Pin;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::task::{Context, Poll};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
+use tokio::sync::Notify;
 use tokio::time::{sleep, timeout};
 use tokio_rustls::TlsAcceptor;
 
-/// Connections at once. One more is closed at once.
-const SOCKETS: usize = 32;
+/// Connections at once. Where one more comes, one gives way (`room`).
+const SOCKETS: usize = 64;
 
 /// So many ports are tried after the one that is taken.
 const PORTS: u16 = 100;
@@ -50,15 +52,9 @@ pub enum ConsoleError {
     /// It cannot listen.
     #[error("[console] listen: cannot listen on {0}: is another program there?")]
     Listen(SocketAddr, #[source] io::Error),
-    /// The token's file cannot be read.
-    #[error("[console] token_file: cannot read {}", .0.display())]
-    TokenFile(PathBuf, #[source] io::Error),
-    /// It holds no token.
-    #[error("[console] token_file: {}", .0.display())]
-    Token(PathBuf, #[source] BadToken),
-    /// The certificate cannot be used.
+    /// What its settings name cannot be used.
     #[error(transparent)]
-    Tls(#[from] TlsError),
+    Files(#[from] FilesError),
     /// The computer has no thread left.
     #[error("the console's thread cannot be started")]
     Thread(#[source] io::Error),
@@ -79,18 +75,12 @@ impl Console {
     /// # Errors
     /// [`ConsoleError`]
     pub fn start(settings: &ConsoleSettings, desk: Desk) -> Result<Self, ConsoleError> {
-        let token = settings.token_file.as_ref().map(|file| {
-            let text = std::fs::read_to_string(file);
-            let text = text.map_err(|cause| ConsoleError::TokenFile(file.clone(), cause))?;
-            Token::parse(&text).map_err(|bad| ConsoleError::Token(file.clone(), bad))
-        });
-        let tls =
-            settings.tls.as_ref().map(|files| tls::server(&files.certificate, &files.key)).transpose()?;
+        let Files { token, tls } = Files::read(settings)?;
         let access = Access {
             loopback: settings.listen.ip().is_loopback(),
             tls: tls.is_some(),
             names: settings.names.clone(),
-            token: token.transpose()?,
+            token,
         };
         let listener = bind(settings)?;
         let failed = |cause| ConsoleError::Listen(settings.listen, cause);
@@ -168,60 +158,60 @@ fn bind(settings: &ConsoleSettings) -> Result<StdListener, ConsoleError> {
 /// Takes connections until the end of time.
 async fn accept(listener: StdListener, routes: Router, desk: Desk, tls: Option<TlsAcceptor>) {
     let Ok(listener) = TcpListener::from_std(listener) else { return };
-    let room = Arc::new(Semaphore::new(SOCKETS));
+    let room = Room::new(desk, SOCKETS);
     loop {
-        let Ok((stream, _)) = listener.accept().await else {
+        let Ok((stream, from)) = listener.accept().await else {
             sleep(AFTER_AN_ERROR).await;
             continue;
         };
-        // where there is no room it is closed, so that whoever comes sees it
-        let Ok(permit) = Arc::clone(&room).try_acquire_owned() else { continue };
+        // where nobody gives way it is closed, so that whoever comes sees it
+        let Some(place) = room.admit(from.ip()).await else { continue };
         // buttons are small and wait for nothing
         let _ = stream.set_nodelay(true);
-        let taken = Taken::new(stream, permit, desk.clone());
+        let (leave, ticket) = (place.leave(), place.ticket());
+        let taken = Taken { stream, _place: place };
         let (routes, tls) = (routes.clone(), tls.clone());
-        tokio::spawn(async move {
+        let served = async move {
             match tls {
-                None => serve(taken, routes).await,
+                None => serve(taken, ticket, routes).await,
                 Some(tls) => {
                     if let Ok(Ok(stream)) = timeout(HANDSHAKE_WITHIN, tls.accept(taken)).await {
-                        serve(stream, routes).await;
+                        serve(stream, ticket, routes).await;
                     }
                 }
+            }
+        };
+        tokio::spawn(async move {
+            tokio::select! {
+                biased;
+                () = leave.notified() => {}
+                () = served => {}
             }
         });
     }
 }
 
-async fn serve(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, routes: Router) {
+async fn serve(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, ticket: Ticket, routes: Router) {
+    let routes = TowerToHyperService::new(routes);
+    let service = service_fn(move |mut request: Request<Incoming>| {
+        // who gets in says by it that this connection is known
+        request.extensions_mut().insert(ticket.clone());
+        routes.call(request)
+    });
     let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_WITHIN)
         .max_buf_size(HEAD_BYTES)
-        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(routes))
+        .serve_connection(TokioIo::new(stream), service)
         .with_upgrades();
     // whoever goes away in the middle is nobody's concern
     let _ = served.await;
 }
 
-/// A connection, which takes room for as long as it is open, upgraded or not.
+/// A connection, which has its place for as long as it is open, upgraded or not.
 struct Taken {
     stream: TcpStream,
-    desk: Desk,
-    _permit: OwnedSemaphorePermit,
-}
-
-impl Taken {
-    fn new(stream: TcpStream, permit: OwnedSemaphorePermit, desk: Desk) -> Self {
-        desk.counts().sockets.fetch_add(1, Ordering::Relaxed);
-        Self { stream, desk, _permit: permit }
-    }
-}
-
-impl Drop for Taken {
-    fn drop(&mut self) {
-        self.desk.counts().sockets.fetch_sub(1, Ordering::Relaxed);
-    }
+    _place: Place,
 }
 
 impl AsyncRead for Taken {

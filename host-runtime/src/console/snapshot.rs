@@ -1,6 +1,7 @@
 //! What the pages are told of the operator's loop, at one moment. Plain numbers and words, made into JSON by
 //! the console's thread.
 
+use crate::link::LinkStats;
 use crate::station::camera::Windows;
 use crate::station::delays::{Delays, Stage};
 use crate::station::operator::OperatorStep;
@@ -156,7 +157,7 @@ pub struct GoalView {
 }
 
 /// One station of the link.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct LinkView {
     /// Its name.
     pub name: String,
@@ -168,6 +169,33 @@ pub struct LinkView {
     pub loss: Option<f64>,
     /// There and back, microseconds.
     pub round_trip_us: Option<u64>,
+    /// The packets that were sent there on this connection; `None` within one process, as of all below.
+    pub sent_packets: Option<u64>,
+    /// How many of those were lost.
+    pub lost_packets: Option<u64>,
+    /// How far the station's clock is ahead of the operator's, microseconds; `None` until it is known.
+    pub clock_offset_us: Option<i64>,
+    /// How wrong that may be, microseconds.
+    pub clock_error_us: Option<u64>,
+}
+
+impl LinkView {
+    /// A peer of the link by what is known of it now.
+    #[must_use]
+    pub fn of(name: &str, connected: bool, stats: &LinkStats, now_us: u64) -> Self {
+        let (sent, lost) = (stats.sent_packets, stats.lost_packets);
+        Self {
+            name: name.to_owned(),
+            connected,
+            age_us: stats.heard_us.map(|heard_us| now_us.saturating_sub(heard_us)),
+            loss: (sent > 0).then(|| lost as f64 / sent as f64),
+            round_trip_us: stats.round_trip_us,
+            sent_packets: Some(sent),
+            lost_packets: Some(lost),
+            clock_offset_us: stats.clock.map(|clock| clock.offset_us),
+            clock_error_us: stats.clock.map(|clock| clock.error_us),
+        }
+    }
 }
 
 /// One stage's delay.

@@ -8,12 +8,12 @@ use super::configuration::Beginning;
 use super::error::SessionError;
 use super::schema::tetrad::Configuration;
 use super::topic::Topic;
+use crate::regular_file;
 use mcap::parse_record;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use prost::Message as _;
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -54,7 +54,7 @@ impl Reader {
     /// A file that cannot be read, is no MCAP or no session of this program, or is damaged.
     pub fn open(path: &Path) -> Result<Self, SessionError> {
         let read = |cause| SessionError::Read { path: path.to_owned(), cause };
-        let file = File::open(path).map_err(read)?;
+        let file = regular_file::open(path).map_err(read)?;
         let length = file.metadata().map_err(read)?.len();
         Self::of(file, length, path)
     }

@@ -7,7 +7,6 @@
 //! applied: pixel coordinates are those of the stored picture.
 
 use std::{
-    fs::File,
     io::Read,
     path::{Path, PathBuf},
 };
@@ -16,6 +15,7 @@ use tetrad_core::vision::frame::{MAX_SIDE, PixelFormat};
 use zune_jpeg::zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions};
 
 use super::SourceError;
+use crate::regular_file;
 
 /// The most bytes a picture file may have: a picture of the greatest size, not compressed at all.
 const MAX_FILE_BYTES: u64 = MAX_SIDE as u64 * MAX_SIDE as u64 * 4;
@@ -64,7 +64,7 @@ impl Picture {
         self.pixels.clear();
         self.path = path.to_owned();
         self.file.clear();
-        File::open(path)
+        regular_file::open(path)
             .and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut self.file))
             .map_err(|error| SourceError::input(path, format!("cannot be read: {error}")))?;
         let decoded = if self.file.is_empty() {

@@ -10,12 +10,16 @@
 //! Rows of pictures that are not there are passed over (a thinned-out folder keeps its list);
 //! a picture without a row is an error, and so is time that does not increase.
 
-use std::{collections::HashMap, fs, path::Path};
+use std::{collections::HashMap, path::Path};
 
 use super::SourceError;
+use crate::text_file;
 
 /// The file's name inside the folder.
 pub(super) const FILE_NAME: &str = "timestamps.csv";
+
+/// The largest there may be, bytes: days of pictures.
+const LARGEST: u64 = 256 * 1024 * 1024;
 
 /// How many missing rows a message lists before it counts the rest.
 const LISTED: usize = 5;
@@ -34,7 +38,7 @@ pub(super) fn read<'a>(
     pictures: impl Iterator<Item = (&'a str, u64)>,
 ) -> Result<Option<Vec<f64>>, SourceError> {
     let path = folder.join(FILE_NAME);
-    let text = match fs::read_to_string(&path) {
+    let text = match text_file::read_within(&path, LARGEST) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(SourceError::input(&path, format!("cannot be read: {error}"))),

@@ -45,7 +45,11 @@ impl Browser {
         chromium.arg(format!("--user-data-dir={}", profile.display())).arg(url);
         chromium.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         // its processes are a group, so that all of them end
-        chromium.process_group(0).spawn().map(Self).map_err(|error| format!("nice: {error}"))
+        chromium
+            .process_group(0)
+            .spawn()
+            .map(Self)
+            .map_err(|error| format!("chrt (package util-linux): {error}"))
     }
 }
 

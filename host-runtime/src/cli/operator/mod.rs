@@ -248,9 +248,7 @@ impl Order<'_> {
             let exit = match &error {
                 ConsoleError::Listen(..) => Exit::DeviceLost,
                 ConsoleError::Thread(_) => Exit::Failed,
-                ConsoleError::TokenFile(..) | ConsoleError::Token(..) | ConsoleError::Tls(_) => {
-                    Exit::BadArguments
-                }
+                ConsoleError::Files(_) => Exit::BadArguments,
             };
             Failure::new(exit, anyhow::Error::new(error).context("there is no console"))
         })?;

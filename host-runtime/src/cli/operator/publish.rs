@@ -156,30 +156,17 @@ impl Publisher {
 
 /// The stations of the link, or the slave of this process.
 fn links(scene: &Scene<'_>, arm: Option<&Received<ArmStatePacket>>, now_us: u64) -> Vec<LinkView> {
-    let mut links: Vec<LinkView> =
-        scene.link.into_iter().flat_map(Link::peers).map(|peer| of_peer(&peer, now_us)).collect();
+    let of_peer = |peer: Peer| LinkView::of(peer.name().as_str(), peer.is_connected(), &peer.stats(), now_us);
+    let mut links: Vec<LinkView> = scene.link.into_iter().flat_map(Link::peers).map(of_peer).collect();
     if scene.slave.as_peer().is_none() {
         links.push(LinkView {
             name: "slave".to_owned(),
             connected: scene.slave.is_connected(),
             age_us: arm.map(|state| now_us.saturating_sub(state.received_us)),
-            loss: None,
-            round_trip_us: None,
+            ..LinkView::default()
         });
     }
     links
-}
-
-fn of_peer(peer: &Peer, now_us: u64) -> LinkView {
-    let stats = peer.stats();
-    let sent = stats.sent_packets;
-    LinkView {
-        name: peer.name().as_str().to_owned(),
-        connected: peer.is_connected(),
-        age_us: stats.heard_us.map(|heard_us| now_us.saturating_sub(heard_us)),
-        loss: (sent > 0).then(|| stats.lost_packets as f64 / sent as f64),
-        round_trip_us: stats.round_trip_us,
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 use super::*;
-use crate::console::control::Tab;
-use crate::console::snapshot::{CameraView, Snapshot};
+use crate::console::snapshot::Snapshot;
 use crate::console::{Checklist, Token, ViewKind};
 use crate::link::Doorbell;
 use crate::robot::clock::Clock;
@@ -332,24 +331,39 @@ async fn health_is_that_of_the_loop() {
     assert_eq!(health().await, StatusCode::SERVICE_UNAVAILABLE);
 }
 
+/// What the server goes by when it has to close a connection.
 #[tokio::test]
-async fn metrics_are_what_a_monitor_reads() {
-    let desk = desk();
-    let camera = CameraView { name: "a \"b\"".to_owned(), age_us: Some(20_000), ..CameraView::default() };
-    desk.publish(Snapshot { sequence: 7, cameras: vec![camera], ..Snapshot::default() });
-    desk.control().take(Tab(1), "a", 0).unwrap();
-    let metrics = text(ask(&desk, &Access::loopback(), request(Method::GET, "/metrics", &[])).await).await;
-    let expected = [
-        "tetrad_snapshots_total 7",
-        "tetrad_camera_age_seconds{camera=\"a \\\"b\\\"\"} 0.02",
-        "tetrad_console_in_control 1",
-        "# TYPE tetrad_console_refused_total counter",
+async fn a_connection_is_known_by_what_it_was_trusted_with() {
+    use crate::console::room::Room;
+    let bearer = format!("Bearer {TOKEN}");
+    let (wrong, right) = ("Bearer 0123456789abcdef", bearer.as_str());
+    let tries = [
+        ("/drive", None, with_token(), false),
+        ("/health", None, with_token(), false),
+        ("/sign-in", None, with_token(), false),
+        ("/drive", Some(("authorization", wrong)), with_token(), false),
+        ("/drive", Some(("authorization", right)), with_token(), true),
+        ("/health", Some(("authorization", right)), with_token(), true),
+        ("/drive", None, Access::loopback(), true),
+        ("/drive", Some(("host", "evil.example")), Access::loopback(), false),
     ];
-    for line in expected {
-        assert!(metrics.lines().any(|told| told == line), "no {line} in\n{metrics}");
+    for (path, header, access, known) in tries {
+        let desk = desk();
+        let room = Room::new(desk.clone(), 2);
+        let from = "10.0.0.1".parse().unwrap();
+        let (first, second) = (room.admit(from).await.unwrap(), room.admit(from).await.unwrap());
+        let mut asked = request(Method::GET, path, header.as_slice());
+        asked.extensions_mut().insert(first.ticket());
+        ask(&desk, &access, asked).await;
+        // of the two that are here the one that was here longer leaves, unless it is known
+        let (first, second) = (leaves(first), leaves(second));
+        room.admit(from).await.unwrap();
+        let left = tokio::select! { _ = first => "first", _ = second => "second" };
+        assert_eq!(left, if known { "second" } else { "first" }, "{path} {header:?}");
     }
-    for line in metrics.lines().filter(|line| !line.starts_with('#')) {
-        let (name, value) = line.rsplit_once(' ').unwrap();
-        assert!(name.starts_with("tetrad_") && value.parse::<f64>().is_ok(), "{line}");
-    }
+}
+
+/// Goes when it is told to.
+fn leaves(place: crate::console::room::Place) -> tokio::task::JoinHandle<()> {
+    tokio::spawn(async move { place.leave().notified().await })
 }

@@ -6,15 +6,21 @@ use crate::link::Doorbell;
 use crate::link::authority::{make_authority, make_station};
 use crate::robot::clock::Clock;
 use crate::settings::station::ConsoleTls;
+use futures_util::StreamExt as _;
 use rustls::pki_types::pem::PemObject as _;
 use rustls::pki_types::{CertificateDer, ServerName};
 use rustls::{ClientConfig, RootCertStore};
 use serde_json::json;
-use std::io::{Read as _, Write as _};
+use std::io::Write as _;
 use std::net::TcpStream as StdStream;
+use std::path::Path;
+use std::sync::atomic::Ordering;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio_rustls::TlsConnector;
+use tokio_rustls::client::TlsStream;
 use tokio_tungstenite::tungstenite::Message;
+
+mod crowd;
 
 /// A console at a port of its own.
 fn console(drives: bool) -> (Console, Desk) {
@@ -159,38 +165,13 @@ async fn pictures_come_one_at_a_time_and_the_newest() {
     }
     tab.say(json!({"type": "shown", "view": 0})).await;
     assert_eq!(sequence(tab.next().await), 8, "those in between are left out");
+    let thanked = || desk.views()[0].thanked.load(Ordering::Relaxed);
+    assert_eq!(thanked(), 1, "what was not sent is not thanked for");
+    tab.say(json!({"type": "shown", "view": 0})).await;
+    wait("the thanks", || thanked() == 2);
     drop(tab);
     wait("nobody looks", || !desk.is_looked_at(0));
     assert!(Tab::try_open(console.address(), "/pictures").await.is_err(), "of no view");
-}
-
-#[tokio::test]
-async fn a_hundred_sockets_are_bounded_and_disturb_nobody_who_drives() {
-    let (console, desk) = console(true);
-    let mut tab = Tab::open(console.address()).await;
-    tab.take().await;
-    tab.press(|| desk.buttons().pressed).await;
-    let mut others: Vec<StdStream> =
-        (0..100).map(|_| StdStream::connect(console.address()).expect("a connection")).collect();
-    // those for whom there is no room are closed
-    let mut closed = 0;
-    for other in &mut others {
-        other.set_read_timeout(Some(Duration::from_millis(5))).unwrap();
-        let mut byte = [0];
-        if matches!(other.read(&mut byte), Ok(0))
-            || other.read(&mut byte).is_err_and(|error| error.kind() == io::ErrorKind::ConnectionReset)
-        {
-            closed += 1;
-        }
-    }
-    assert!(closed >= 100 - SOCKETS, "{closed}");
-    assert!(desk.counts().sockets.load(Ordering::Relaxed) <= SOCKETS);
-    tab.press(|| desk.buttons().pressed).await;
-    drop(others);
-    wait("there is room", || desk.counts().sockets.load(Ordering::Relaxed) == 1);
-    let mut late = StdStream::connect(console.address()).unwrap();
-    late.write_all(b"POST /api/stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n").unwrap();
-    wait("the stop", || desk.buttons().stop);
 }
 
 #[tokio::test]
@@ -206,6 +187,20 @@ async fn web_sockets_leave_room_for_a_stop() {
     wait("the stop", || desk.buttons().stop);
 }
 
+/// Trusts the authority of these keys.
+fn connector(keys: &Path) -> TlsConnector {
+    let mut roots = RootCertStore::empty();
+    roots.add(CertificateDer::from_pem_file(keys.join("authority.pem")).unwrap()).unwrap();
+    let provider = Arc::new(rustls::crypto::ring::default_provider());
+    let config = ClientConfig::builder_with_provider(provider).with_safe_default_protocol_versions().unwrap();
+    TlsConnector::from(Arc::new(config.with_root_certificates(roots).with_no_client_auth()))
+}
+
+async fn secure(connector: &TlsConnector, console: SocketAddr) -> io::Result<TlsStream<TcpStream>> {
+    let plain = TcpStream::connect(console).await?;
+    connector.connect(ServerName::try_from("arm").unwrap(), plain).await
+}
+
 #[tokio::test]
 async fn elsewhere_it_is_served_over_tls_with_the_stations_keys() {
     let dir = tempfile::tempdir().unwrap();
@@ -217,14 +212,7 @@ async fn elsewhere_it_is_served_over_tls_with_the_stations_keys() {
     let settings = ConsoleSettings { tls: Some(files("arm.key")), ..anywhere() };
     let console = Console::start(&settings, desk.clone()).unwrap();
     assert!(console.url().starts_with("https://"));
-    let mut roots = RootCertStore::empty();
-    roots.add(CertificateDer::from_pem_file(dir.path().join("authority.pem")).unwrap()).unwrap();
-    let provider = Arc::new(rustls::crypto::ring::default_provider());
-    let config = ClientConfig::builder_with_provider(provider).with_safe_default_protocol_versions().unwrap();
-    let config = config.with_root_certificates(roots).with_no_client_auth();
-    let plain = TcpStream::connect(console.address()).await.unwrap();
-    let connector = TlsConnector::from(Arc::new(config));
-    let mut secure = connector.connect(ServerName::try_from("arm").unwrap(), plain).await.unwrap();
+    let mut secure = secure(&connector(dir.path()), console.address()).await.unwrap();
     secure.write_all(b"GET /drive HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").await.unwrap();
     let mut answer = Vec::new();
     let _ = secure.read_to_end(&mut answer).await;
@@ -234,7 +222,7 @@ async fn elsewhere_it_is_served_over_tls_with_the_stations_keys() {
         let settings = ConsoleSettings { tls: Some(tls), ..anywhere() };
         Console::start(&settings, desk.clone()).unwrap_err().to_string()
     };
-    assert!(refused(files("other.key")).starts_with("[console] key: cannot take it from"));
+    assert!(refused(files("other.key")).starts_with("[console] key: cannot read"));
     std::fs::write(dir.path().join("other.key"), std::fs::read(dir.path().join("authority.key")).unwrap())
         .unwrap();
     assert!(refused(files("other.key")).contains("not of one make"), "{}", refused(files("other.key")));

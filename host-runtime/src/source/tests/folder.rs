@@ -55,6 +55,23 @@ fn second_picture_error(bytes: &[u8]) -> SourceError {
     error.expect("the second picture is refused")
 }
 
+/// A name of a picture, or of the times, can be that of what never ends: nobody waits for it.
+#[cfg(target_os = "linux")]
+#[test]
+fn pipes_among_pictures_are_refused() {
+    for name in ["2.png", "timestamps.csv"] {
+        let folder = folder(&[("1.png", &rgb_png(8, 8, [9, 9, 9]))]);
+        let pipe = folder.path().join(name);
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let error = match open_path(folder.path()) {
+            Ok(mut source) => read_all(source.as_mut()).1.expect("it is refused"),
+            Err(error) => error,
+        };
+        let error = error.to_string();
+        assert!(error.contains(name) && error.contains("it is a pipe or a device"), "{error}");
+    }
+}
+
 #[test]
 fn frames_come_in_the_order_of_their_numbers() {
     let shade = |value| rgb_png(4, 2, [value, 0, 0]);

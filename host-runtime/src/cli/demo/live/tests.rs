@@ -9,6 +9,8 @@ use std::path::Path;
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
+mod session;
+
 /// The arm begins its stop so long after the button is not told of any more, microseconds.
 const STOP_US: u64 = 100_000;
 
@@ -114,15 +116,26 @@ struct Demo {
 
 impl Demo {
     fn start(out: &Path) -> Self {
+        Self::start_as(out, None, |_, _| ())
+    }
+
+    /// With a recording, or other settings than a demo's own.
+    fn start_as(
+        out: &Path,
+        record: Option<&Path>,
+        change: impl FnOnce(&mut OperatorSettings, &mut SlaveSettings) + Send + 'static,
+    ) -> Self {
+        let record = record.map(Path::to_owned);
         let (told, hears) = mpsc::channel();
         let interrupt = Interrupt::by_hand();
         let asked = interrupt.clone();
         let out = out.to_owned();
         let thread = std::thread::spawn(move || {
             let args = args(&out);
-            let (operator, mut slave) = stations(&args, &super::super::scene(&args.scene)?);
+            let (mut operator, mut slave) = stations(&args, &super::super::scene(&args.scene)?);
             // the arm's own watch over its set-points is not what is tried here
             slave.arm.port = Some("sim:?watchdog_ms=5000".parse().unwrap());
+            change(&mut operator, &mut slave);
             let listen = "127.0.0.1:0".parse().unwrap();
             let console = ConsoleSettings { listen, ..ConsoleSettings::demo() };
             let order = Order {
@@ -134,7 +147,7 @@ impl Demo {
                 hold: HoldToRun::Console,
                 longest: None,
                 out: Some(&out),
-                record: None,
+                record: record.as_deref(),
             };
             order.carry_out(&interrupt, |console| told.send(console.address()).unwrap())
         });
@@ -191,6 +204,21 @@ fn all_seen(live: &Value) -> bool {
     cameras.len() == 2 && cameras.iter().all(whole)
 }
 
+/// Finds all four balls by both cameras.
+async fn find(console: SocketAddr) -> Value {
+    let mut found = Value::Null;
+    // a ball may stand before another just then
+    for _ in 0..20 {
+        let (status, told) = post(console, "/api/setup/find", &json!({})).await;
+        assert_eq!(status, 200, "{told}");
+        found = told;
+        if found["said"] == "the four balls were found by 2 of 2 cameras" {
+            break;
+        }
+    }
+    found
+}
+
 #[test]
 fn a_page_finds_the_balls_anew_and_the_arm_follows_them() {
     let dir = tempfile::tempdir().unwrap();
@@ -200,16 +228,7 @@ fn a_page_finds_the_balls_anew_and_the_arm_follows_them() {
     runtime.block_on(async {
         let mut page = Tab::open(console).await;
         page.until("both cameras", all_seen).await;
-        // a ball may stand before another just then
-        let mut found = Value::Null;
-        for _ in 0..20 {
-            let (status, told) = post(console, "/api/setup/find", &json!({})).await;
-            assert_eq!(status, 200, "{told}");
-            found = told;
-            if found["said"] == "the four balls were found by 2 of 2 cameras" {
-                break;
-            }
-        }
+        let found = find(console).await;
         assert_eq!(found["cameras"][0]["in_use"], false, "{found}");
         let (status, saved) = post(console, "/api/setup/save", &json!({})).await;
         assert_eq!(status, 200, "{saved}");

@@ -1,0 +1,125 @@
+use super::*;
+use crate::console::app::app;
+use crate::console::control::Tab;
+use crate::console::desk::Desk;
+use crate::console::snapshot::CameraView;
+use crate::console::{Access, ViewKind};
+use crate::link::clock::ClockEstimate;
+use crate::link::{Doorbell, LinkStats};
+use crate::robot::clock::Clock;
+use axum::body::{Body, to_bytes};
+use axum::http::Request;
+use std::collections::BTreeSet;
+use tower::ServiceExt as _;
+
+/// What a monitor reads of this.
+async fn read(snapshot: Snapshot) -> String {
+    let views = vec![("left".to_owned(), ViewKind::Hand)];
+    let desk = Desk::new(true, views, Clock::given(), Doorbell::default());
+    desk.publish(snapshot);
+    desk.control().take(Tab(1), "a", 0).unwrap();
+    let request = Request::builder().uri("/metrics").header("host", "localhost").body(Body::empty()).unwrap();
+    let answer = app(desk, Access::loopback(), None).oneshot(request).await.unwrap();
+    assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; version=0.0.4; charset=utf-8");
+    String::from_utf8(to_bytes(answer.into_body(), 1 << 20).await.unwrap().to_vec()).unwrap()
+}
+
+#[track_caller]
+fn has(metrics: &str, lines: &[&str]) {
+    for line in lines {
+        assert!(metrics.lines().any(|told| told == *line), "no {line} in\n{metrics}");
+    }
+}
+
+/// A link as `LinkStats` knows it.
+fn link(name: &str, clock: Option<ClockEstimate>) -> LinkView {
+    let stats = LinkStats {
+        address: None,
+        connected: 1,
+        heard_us: Some(4_000_000),
+        round_trip_us: Some(1_500),
+        clock,
+        received: Default::default(),
+        sent: Default::default(),
+        lost_packets: 3,
+        sent_packets: 12,
+        pictures_received: 0,
+        pictures_sent: Default::default(),
+    };
+    LinkView::of(name, clock.is_some(), &stats, 4_020_000)
+}
+
+#[tokio::test]
+async fn metrics_are_what_a_monitor_reads() {
+    let camera = CameraView { name: "a \"b\"".to_owned(), age_us: Some(20_000), ..CameraView::default() };
+    let metrics = read(Snapshot { sequence: 7, cameras: vec![camera], ..Snapshot::default() }).await;
+    has(
+        &metrics,
+        &[
+            "tetrad_snapshots_total 7",
+            "tetrad_camera_age_seconds{camera=\"a \\\"b\\\"\"} 0.02",
+            "tetrad_console_in_control 1",
+            "tetrad_console_crowded_out_total 0",
+            "tetrad_console_shown_total{view=\"left\"} 0",
+            "# TYPE tetrad_console_refused_total counter",
+        ],
+    );
+}
+
+#[tokio::test]
+async fn a_link_is_told_with_its_age_loss_way_and_clock() {
+    let clock = ClockEstimate { offset_us: -2_500_000, error_us: 400, drift_ppm: 0.0, round_trip_us: 800 };
+    let here = LinkView { name: "slave".to_owned(), connected: true, ..LinkView::default() };
+    let links = vec![link("left", Some(clock)), link("right", None), here];
+    let metrics = read(Snapshot { links, ..Snapshot::default() }).await;
+    has(
+        &metrics,
+        &[
+            "tetrad_link_connected{station=\"left\"} 1",
+            "tetrad_link_connected{station=\"right\"} 0",
+            "tetrad_link_connected{station=\"slave\"} 1",
+            "tetrad_link_age_seconds{station=\"left\"} 0.02",
+            "# TYPE tetrad_link_sent_packets_total counter",
+            "tetrad_link_sent_packets_total{station=\"left\"} 12",
+            "tetrad_link_lost_packets_total{station=\"left\"} 3",
+            "tetrad_link_loss_ratio{station=\"left\"} 0.25",
+            "tetrad_link_round_trip_seconds{station=\"left\"} 0.0015",
+            "tetrad_link_clock_offset_seconds{station=\"left\"} -2.5",
+            "tetrad_link_clock_error_seconds{station=\"left\"} 0.0004",
+        ],
+    );
+    // what is not known is not told: a zero would be believed
+    for unknown in ["clock_offset_seconds{station=\"right\"}", "round_trip_seconds{station=\"slave\"}"] {
+        assert!(!metrics.contains(unknown), "{unknown} in\n{metrics}");
+    }
+}
+
+/// Every sample is a number of a family that was told of before it, once.
+#[tokio::test]
+async fn every_figure_says_what_it_is() {
+    let links = vec![link("left", None)];
+    let metrics = read(Snapshot { links, cameras: vec![CameraView::default()], ..Snapshot::default() }).await;
+    let mut told = BTreeSet::new();
+    let mut helped = "";
+    for line in metrics.lines() {
+        if let Some(help) = line.strip_prefix("# HELP ") {
+            helped = help.split_once(' ').expect("words").0;
+        } else if let Some(kind) = line.strip_prefix("# TYPE ") {
+            let (name, kind) = kind.split_once(' ').unwrap();
+            assert!(name == helped && ["gauge", "counter", "summary"].contains(&kind), "{line}");
+            assert_eq!(kind == "counter", name.ends_with("_total"), "{line}");
+            assert!(told.insert(name), "{line}: twice");
+        } else {
+            let (name, value) = line.rsplit_once(' ').unwrap();
+            let name = name.split('{').next().unwrap();
+            assert!(name == helped || name.strip_suffix("_count") == Some(helped), "{line}");
+            assert!(name.starts_with("tetrad_") && value.parse::<f64>().is_ok(), "{line}");
+        }
+    }
+    assert!(told.len() > 20, "{told:?}");
+    let page = std::fs::read_to_string(tetrad_tests::repository().join("docs/console.md")).unwrap();
+    for name in told {
+        let named = |end: char| page.contains(&format!("`{name}{end}"));
+        assert!(named('`') || named('{'), "docs/console.md does not say what {name} is");
+    }
+}
