@@ -72,6 +72,9 @@ pub struct ControlView {
     pub stopped: bool,
     /// Microseconds since the press was last told.
     pub press_age_us: Option<u64>,
+    /// When a press was last told in a way that counts, by the operator's clock, also where it has ended since;
+    /// `None`: none ever was.
+    pub held_us: Option<u64>,
 }
 
 /// The tab that drives.
@@ -99,6 +102,8 @@ struct Press {
 pub struct Control {
     drives: bool,
     holder: Option<Holder>,
+    /// When a press was last told, by whomever.
+    held_us: Option<u64>,
     stop: bool,
     resets: u32,
 }
@@ -108,7 +113,7 @@ impl Control {
     /// can be done from here.
     #[must_use]
     pub const fn new(drives: bool) -> Self {
-        Self { drives, holder: None, stop: false, resets: 0 }
+        Self { drives, holder: None, held_us: None, stop: false, resets: 0 }
     }
 
     /// Gives a tab control, if nobody else has it; `name` is what the others are told.
@@ -172,6 +177,7 @@ impl Control {
             return Err(Refusal::Late);
         }
         holder.press = Some(Press { number, told_us: now_us });
+        self.held_us = Some(now_us);
         Ok(())
     }
 
@@ -238,6 +244,7 @@ impl Control {
             press_age_us: holder
                 .and_then(|holder| holder.press)
                 .map(|press| now_us.saturating_sub(press.told_us)),
+            held_us: self.held_us,
         }
     }
 

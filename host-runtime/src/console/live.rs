@@ -55,6 +55,10 @@ enum Said {
     Release,
     /// It is there.
     Here,
+    /// It measures the line: its own clock, to be sent back with ours.
+    Echo {
+        sent_us: u64,
+    },
     Stop,
     Reset,
     /// The joints are homed.
@@ -68,6 +72,7 @@ enum Told<'a> {
     Hello { version: &'static str, page: u64, views: Vec<ViewTold<'a>> },
     Live { now_us: u64, control: ControlView, snapshot: &'a Snapshot },
     Refused { what: &'static str, why: String },
+    Echo { sent_us: u64, now_us: u64 },
 }
 
 #[derive(Serialize)]
@@ -161,6 +166,8 @@ fn hear(desk: &Desk, seat: &Seat, message: &str) -> Option<Utf8Bytes> {
             desk.with_control(|control, now_us| control.here(tab, now_us));
             return None;
         }
+        // it says nothing of the operator, and is no sign of somebody being there
+        Said::Echo { sent_us } => return Some(text(&Told::Echo { sent_us, now_us: desk.now_us() })),
         Said::Stop => {
             tracing::warn!(page = tab.0, "stop is pressed");
             desk.stop();

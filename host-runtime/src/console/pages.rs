@@ -17,7 +17,7 @@ const STYLE: &str = "text/css; charset=utf-8";
 const PICTURE: &str = "image/svg+xml";
 
 /// Every file, by its path.
-pub(super) const PAGES: [Page; 31] = [
+pub(super) const PAGES: [Page; 32] = [
     Page { path: "/", kind: HTML, content: include_str!("page/index.html") },
     Page { path: "/setup", kind: HTML, content: include_str!("page/setup.html") },
     Page { path: "/setup.css", kind: STYLE, content: include_str!("page/setup.css") },
@@ -31,6 +31,7 @@ pub(super) const PAGES: [Page; 31] = [
     Page { path: "/page.js", kind: SCRIPT, content: include_str!("page/page.js") },
     Page { path: "/plot.css", kind: STYLE, content: include_str!("page/plot.css") },
     Page { path: "/plot.js", kind: SCRIPT, content: include_str!("page/plot.js") },
+    Page { path: "/line-clock.js", kind: SCRIPT, content: include_str!("page/line-clock.js") },
     Page { path: "/live.js", kind: SCRIPT, content: include_str!("page/live.js") },
     Page { path: "/hold.js", kind: SCRIPT, content: include_str!("page/hold.js") },
     Page { path: "/views.js", kind: SCRIPT, content: include_str!("page/views.js") },

@@ -3,7 +3,7 @@
 //! | bytes | |
 //! |---|---|
 //! | 4 | length of the header, lowest byte first |
-//! | so many | the header, JSON: view, sequence, age_us, width, height, balls |
+//! | so many | the header, JSON: view, sequence, taken_us, age_us, width, height, balls |
 //! | the rest | the JPEG file |
 //!
 //! Of each view one picture at most is on its way: the page thanks for it (`{"type":"shown","view":0}`) once it
@@ -26,7 +26,9 @@ use tokio::time::timeout;
 struct Header<'a> {
     view: usize,
     sequence: u32,
-    /// Since it was taken.
+    /// By the operator's clock, which a page knows by echoes of /live.
+    taken_us: u64,
+    /// Since it was taken, as it leaves.
     age_us: u64,
     width: u16,
     height: u16,
@@ -115,6 +117,7 @@ fn encode(view: usize, shown: &Shown, now_us: u64) -> Vec<u8> {
     let header = Header {
         view,
         sequence: shown.sequence,
+        taken_us: shown.taken_us,
         age_us: now_us.saturating_sub(shown.taken_us),
         width: shown.width,
         height: shown.height,

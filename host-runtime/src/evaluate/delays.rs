@@ -1,10 +1,11 @@
 //! Figure 9: where the time of a frame goes, as far as the stages exist.
 
 use super::run::Variant;
-use super::scenes::{GREY, named};
+use super::scenes::named;
 use super::trace::{Case, TraceFrame};
 use super::{Outcome, Plan, Traced};
 use crate::output::Spread;
+use crate::report::ink::{BLUE, GREEN, GREY, ORANGE};
 use crate::report::{Axis, Cell, Figure, Look, Panel, Section, Series, Table};
 use crate::settings::Mode;
 use std::time::Duration;
@@ -16,9 +17,9 @@ type Stage = (&'static str, &'static str, fn(&TraceFrame) -> Duration);
 
 const STAGES: [Stage; 4] = [
     ("rendering both pictures", GREY, |frame| frame.times.rendering),
-    ("left tracker", "#3b7dd8", |frame| frame.times.tracking.first().copied().unwrap_or_default()),
-    ("right tracker", "#2f9e6e", |frame| frame.times.tracking.get(1).copied().unwrap_or_default()),
-    ("pose of the hand", "#d9822b", |frame| frame.times.hand),
+    ("left tracker", BLUE, |frame| frame.times.tracking.first().copied().unwrap_or_default()),
+    ("right tracker", GREEN, |frame| frame.times.tracking.get(1).copied().unwrap_or_default()),
+    ("pose of the hand", ORANGE, |frame| frame.times.hand),
 ];
 
 pub(super) fn cases(plan: Plan) -> Vec<Case> {

@@ -3,10 +3,11 @@
 
 use super::headline::{Bound, Headline};
 use super::run::{MODES, Variant};
-use super::scenes::{GREY, colour, named};
+use super::scenes::{colour, named};
 use super::statistics::Centres;
 use super::trace::{BallTrace, Case, Trace, TraceFrame};
 use super::{Outcome, Plan, Traced};
+use crate::report::ink::GREY;
 use crate::report::{Axis, Cell, Figure, Look, Panel, Section, Series, Table};
 use crate::settings::Mode;
 use nalgebra::Vector3;

@@ -3,10 +3,11 @@
 
 use super::headline::{Bound, Headline, NOTHING, Told};
 use super::run::{MODES, Variant};
-use super::scenes::{GREY, colour, named};
+use super::scenes::{colour, named};
 use super::statistics::{PoseBounds, Poses};
 use super::trace::{Case, Trace};
 use super::{Outcome, Plan, Traced};
+use crate::report::ink::GREY;
 use crate::report::{Axis, Cell, Figure, Look, Panel, Section, Series, Table};
 use crate::settings::Mode;
 use nalgebra::Vector3;

@@ -1,10 +1,11 @@
 //! Figures 1, 2 and 5: the horizontal scan through a red ball.
 
 use super::run::RunError;
-use super::scenes::{GREY, named};
+use super::scenes::named;
 use super::trace::Case;
 use super::{Outcome, Plan, Traced};
 use crate::learning;
+use crate::report::ink::{BLUE, GREEN, GREY, ORANGE, RED};
 use crate::report::{Axis, Cell, Figure, Look, Panel, Section, Series, Table};
 use tetrad_core::config::{LearnConfig, TrackerConfig};
 use tetrad_core::geometry::ImagePoint;
@@ -18,11 +19,6 @@ const CAMERA: usize = 0;
 
 /// The widest scan kept, columns.
 const COLUMNS: usize = 256;
-
-const RED: &str = "#d64545";
-const GREEN: &str = "#2f9e6e";
-const BLUE: &str = "#3b7dd8";
-const ORANGE: &str = "#d9822b";
 
 pub(super) fn cases(_: Plan) -> Vec<Case> {
     // single pictures, learnt from and not tracked

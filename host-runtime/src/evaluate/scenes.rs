@@ -1,19 +1,17 @@
 //! What the experiments' scenes share.
 
+use crate::report::ink::{BLUE, ORANGE};
 use crate::settings::Mode;
 use tetrad_fixtures::{Light, Scene};
 
 /// Told apart on white and on black, and by those who see no red or no green: blue for `refined`,
-/// orange for `paper`.
+/// orange for `paper`. What is printed in the paper, and truth, is grey.
 pub(super) const fn colour(mode: Mode) -> &'static str {
     match mode {
-        Mode::Paper => "#d9822b",
-        Mode::Refined => "#3b7dd8",
+        Mode::Paper => ORANGE,
+        Mode::Refined => BLUE,
     }
 }
-
-/// What is printed in the paper, and truth.
-pub(super) const GREY: &str = "#8a8f98";
 
 /// The lights of the tables: a name, and the light.
 pub(super) fn lights() -> [(&'static str, Light); 3] {

@@ -1,14 +1,14 @@
 //! What the smoothing filter takes out and how late it makes the pose.
 
-use super::scenes::GREY;
 use super::trace::Case;
 use super::{Outcome, Plan, Traced};
 use crate::filter_quality::{FilterQuality, SimulatedHand, measure};
+use crate::report::ink::{BLUE, GREEN, GREY};
 use crate::report::{Axis, Cell, Figure, Look, Panel, Section, Series, Table};
 use tetrad_core::config::{FilterConfig, Prediction, Smoothing};
 
 const LEADS_MS: [u32; 4] = [0, 33, 50, 100];
-const COLOURS: [&str; 3] = [GREY, "#3b7dd8", "#2f9e6e"];
+const COLOURS: [&str; 3] = [GREY, BLUE, GREEN];
 
 pub(super) fn cases(_: Plan) -> Vec<Case> {
     // poses are simulated, not pictures

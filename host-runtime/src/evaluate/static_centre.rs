@@ -2,10 +2,11 @@
 
 use super::headline::{Bound, Headline, NOTHING};
 use super::run::{MODES, Variant};
-use super::scenes::{GREY, colour, lights, named};
+use super::scenes::{colour, lights, named};
 use super::statistics::Centres;
 use super::trace::Case;
 use super::{Outcome, Plan, Traced};
+use crate::report::ink::GREY;
 use crate::report::{Axis, Cell, Figure, Look, Panel, Section, Series, Table};
 use crate::settings::Mode;
 use tetrad_core::vision::frame::PixelFormat;

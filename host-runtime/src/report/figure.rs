@@ -26,6 +26,48 @@ pub struct Panel {
     pub series: Vec<Series>,
 }
 
+impl Panel {
+    /// What its curves are marked with beside their colours, in the order of the series: curves of one colour have
+    /// one shape, and differ in their look. `None` where all have one colour.
+    #[must_use]
+    pub fn shapes(&self) -> Option<Vec<Shape>> {
+        let mut colours = Vec::new();
+        let shapes = self.series.iter().map(|series| {
+            let known = colours.iter().position(|colour| *colour == series.colour);
+            let at = known.unwrap_or_else(|| {
+                colours.push(series.colour);
+                colours.len() - 1
+            });
+            Shape::ALL[at % Shape::ALL.len()]
+        });
+        let shapes: Vec<Shape> = shapes.collect();
+        (colours.len() > 1).then_some(shapes)
+    }
+}
+
+/// What a curve is marked with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// A disc.
+    Circle,
+    /// On its side.
+    Square,
+    /// Upwards.
+    Triangle,
+    /// On its corner.
+    Diamond,
+    /// An x.
+    Cross,
+    /// Downwards.
+    Wedge,
+}
+
+impl Shape {
+    /// All, in the order in which colours get them.
+    pub const ALL: [Self; 6] =
+        [Self::Circle, Self::Square, Self::Triangle, Self::Diamond, Self::Cross, Self::Wedge];
+}
+
 /// One axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -58,6 +100,9 @@ impl Axis {
         Self { log: true, ..Self::linear(label) }
     }
 }
+
+/// So many marks, about, tell a curve of many points from the others.
+pub(super) const MARKS: usize = 12;
 
 /// One curve. A point that is not finite breaks it.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +137,7 @@ impl Look {
         !matches!(self, Self::Points)
     }
 
-    /// Whether points are marked.
+    /// Whether every point is marked.
     #[must_use]
     pub const fn marked(self) -> bool {
         matches!(self, Self::Dotted | Self::Points)
@@ -110,5 +155,33 @@ impl Series {
     #[must_use]
     pub fn new(name: &str, look: Look, colour: &'static str, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.to_owned(), look, colour, points }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel(colours: &[&'static str]) -> Panel {
+        let series = colours.iter().map(|colour| Series::new("a", Look::Line, colour, Vec::new()));
+        Panel {
+            title: String::new(),
+            x: Axis::linear("x"),
+            y: Axis::linear("y"),
+            equal: false,
+            series: series.collect(),
+        }
+    }
+
+    #[test]
+    fn a_colour_is_never_all_that_tells_curves_apart() {
+        use Shape::{Circle, Square, Triangle};
+        let shapes = panel(&["#000001", "#000002", "#000001", "#000003"]).shapes();
+        assert_eq!(shapes.as_deref(), Some(&[Circle, Square, Circle, Triangle][..]));
+        assert_eq!(panel(&["#000001", "#000001"]).shapes(), None, "their looks have to do");
+        let many = ["#000001", "#000002", "#000003", "#000004", "#000005", "#000006"];
+        let mut shapes = panel(&many).shapes().unwrap();
+        shapes.dedup();
+        assert_eq!(shapes.len(), many.len());
     }
 }

@@ -10,12 +10,13 @@
 //! script runs, and on paper, the SVG pictures stand in the place of the plots.
 
 mod figure;
+pub mod ink;
 mod page;
 mod plot;
 mod svg;
 mod table;
 
-pub use figure::{Axis, Figure, Look, Panel, Series};
+pub use figure::{Axis, Figure, Look, Panel, Series, Shape};
 pub(crate) use plot::script as plotly_script;
 pub use table::{Cell, Table};
 

@@ -3,7 +3,7 @@
 //! A writer of its own rather than a plotting library: plotly's pictures need a browser, and a second
 //! library for axes and polylines is more to keep than these are.
 
-use super::figure::{Axis, Figure, Panel, Series};
+use super::figure::{Axis, Figure, MARKS, Panel, Series, Shape};
 use std::fmt::Write as _;
 
 /// A panel with its axes, title and legend, units of the picture.
@@ -59,13 +59,15 @@ impl Svg {
         }
         self.text(((MARGIN.0 + PANEL.0 - MARGIN.1) / 2.0, 20.0), "middle", "ink", &panel.title, 14.0);
         self.axes(panel, &x, &y, bottom);
-        for series in &panel.series {
-            self.series(series, &x, &y);
+        let shapes = panel.shapes();
+        let shape = |at: usize| shapes.as_ref().map(|shapes| shapes[at]);
+        for (at, series) in panel.series.iter().enumerate() {
+            self.series(series, shape(at), at, (&x, &y));
         }
         for (line, entries) in legend.iter().enumerate() {
             let at = bottom + FOOT.0 + FOOT.1 * (line as f64 + 0.3);
             let mut from = MARGIN.0;
-            for series in entries {
+            for (index, series) in entries {
                 let colour = series.colour;
                 if series.look.joined() {
                     let dash = dash(series);
@@ -74,12 +76,8 @@ impl Svg {
                         "<path d=\"M{from:.1} {at:.1}h18\" stroke=\"{colour}\" stroke-width=\"2\"{dash}/>"
                     );
                 }
-                if series.look.marked() {
-                    let centre = from + 9.0;
-                    let _ = writeln!(
-                        self.0,
-                        "<circle cx=\"{centre:.1}\" cy=\"{at:.1}\" r=\"3\" fill=\"{colour}\"/>"
-                    );
+                if series.look.marked() || shapes.is_some() {
+                    self.mark(shape(*index), (from + 9.0, at), 3.0, colour);
                 }
                 self.text((from + 23.0, at + 4.0), "start", "ink", &series.name, 12.0);
                 from += entry_width(series);
@@ -123,7 +121,7 @@ impl Svg {
         );
     }
 
-    fn series(&mut self, series: &Series, x: &Scale, y: &Scale) {
+    fn series(&mut self, series: &Series, shape: Option<Shape>, index: usize, (x, y): (&Scale, &Scale)) {
         let every = series.points.len().div_ceil(MOST_POINTS).max(1);
         let inside = |p: &(f64, f64)| x.shows(p.0) && y.shows(p.1);
         let points = || series.points.iter().step_by(every);
@@ -145,17 +143,55 @@ impl Svg {
                  stroke-linejoin=\"round\"{dash}/>"
             );
         }
-        if series.look.marked() {
-            let radius = series.dot() / 2.2;
-            for point in points().filter(|point| inside(point)) {
+        let radius = series.dot() / 2.2;
+        let marks: Vec<(f64, f64)> =
+            points().filter(|point| inside(point)).map(|point| (x.at(point.0), y.at(point.1))).collect();
+        let (first, every) = match (series.look.marked(), shape) {
+            (true, _) => (0, 1),
+            // those of curves that lie on each other do not
+            (false, Some(_)) => (3 * index, marks.len().div_ceil(MARKS).max(1)),
+            (false, None) => return,
+        };
+        for centre in marks.into_iter().skip(first % every).step_by(every) {
+            self.mark(shape, centre, radius, colour);
+        }
+    }
+
+    /// A curve's mark, about as large as a disc of that radius.
+    fn mark(&mut self, shape: Option<Shape>, (x, y): (f64, f64), radius: f64, colour: &str) {
+        let r = radius;
+        let path = match shape.unwrap_or(Shape::Circle) {
+            Shape::Circle => {
                 let _ = writeln!(
                     self.0,
-                    "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius}\" fill=\"{colour}\"/>",
-                    x.at(point.0),
-                    y.at(point.1)
+                    "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{colour}\"/>"
                 );
+                return;
             }
-        }
+            Shape::Square => format!("m{:.1} {:.1}h{:.1}v{:.1}h{:.1}z", -r, -r, 2.0 * r, 2.0 * r, -2.0 * r),
+            Shape::Triangle => format!("m0 {:.1}l{:.1} {:.1}h{:.1}z", -1.2 * r, 1.2 * r, 2.2 * r, -2.4 * r),
+            Shape::Wedge => format!("m0 {:.1}l{:.1} {:.1}h{:.1}z", 1.2 * r, 1.2 * r, -2.2 * r, -2.4 * r),
+            Shape::Diamond => {
+                let d = 1.4 * r;
+                format!("m0 {:.1}l{d:.1} {d:.1}l{:.1} {d:.1}l{:.1} {:.1}z", -d, -d, -d, -d)
+            }
+            Shape::Cross => {
+                let path = format!(
+                    "m{:.1} {:.1}l{w:.1} {w:.1}m0 {:.1}l{:.1} {w:.1}",
+                    -r,
+                    -r,
+                    -2.0 * r,
+                    -2.0 * r,
+                    w = 2.0 * r
+                );
+                let _ = writeln!(
+                    self.0,
+                    "<path d=\"M{x:.1} {y:.1}{path}\" stroke=\"{colour}\" stroke-width=\"1.6\"/>"
+                );
+                return;
+            }
+        };
+        let _ = writeln!(self.0, "<path d=\"M{x:.1} {y:.1}{path}\" fill=\"{colour}\"/>");
     }
 
     fn text(&mut self, (x, y): (f64, f64), anchor: &str, class: &str, text: &str, size: f64) {
@@ -177,10 +213,10 @@ fn entry_width(series: &Series) -> f64 {
 }
 
 /// The legend's entries, as many on a line as have room; none for a single curve without a name.
-fn legend_lines(panel: &Panel) -> Vec<Vec<&Series>> {
-    let mut lines: Vec<Vec<&Series>> = Vec::new();
+fn legend_lines(panel: &Panel) -> Vec<Vec<(usize, &Series)>> {
+    let mut lines: Vec<Vec<(usize, &Series)>> = Vec::new();
     let mut used = f64::INFINITY;
-    for series in panel.series.iter().filter(|series| !series.name.is_empty()) {
+    for (at, series) in panel.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty()) {
         let width = entry_width(series);
         if used + width > PANEL.0 - MARGIN.0 {
             lines.push(Vec::new());
@@ -188,7 +224,7 @@ fn legend_lines(panel: &Panel) -> Vec<Vec<&Series>> {
         }
         used += width;
         if let Some(line) = lines.last_mut() {
-            line.push(series);
+            line.push((at, series));
         }
     }
     lines

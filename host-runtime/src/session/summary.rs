@@ -5,16 +5,11 @@ use super::error::SessionError;
 use super::reader::{Entry, Reader};
 use super::schema::tetrad as msg;
 use super::topic::Topic;
+use crate::report::ink::{BLUE, GREEN, GREY, ORANGE, RED, VIOLET};
 use crate::report::{Axis, Cell, Figure, Look, Panel, Report, Section, Series, Table};
 use std::collections::BTreeMap;
 use tetrad_core::observation::{BALLS, Ball};
 
-const RED: &str = "#d64545";
-const GREEN: &str = "#2f9e6e";
-const BLUE: &str = "#3b7dd8";
-const ORANGE: &str = "#d9822b";
-const VIOLET: &str = "#8457c4";
-const GREY: &str = "#8a8f98";
 const COLOURS: [&str; 6] = [RED, GREEN, BLUE, ORANGE, VIOLET, GREY];
 
 /// How a ball's curve is drawn, and the height that tells it from the others.

@@ -23,6 +23,10 @@ const POLL: Duration = Duration::from_millis(20);
 /// A window of its size in CSS pixels.
 pub(crate) const DESK: (u32, u32) = (1280, 720);
 
+/// Buttons of the mouse, as WebDriver counts them.
+pub(crate) const LEFT: u8 = 0;
+pub(crate) const RIGHT: u8 = 2;
+
 /// The space bar.
 pub(crate) const SPACE: &str = " ";
 
@@ -135,13 +139,33 @@ impl Browser {
         let origin = self.session.element(css);
         self.mouse(&json!([
             {"type": "pointerMove", "origin": origin, "x": 0, "y": 0, "duration": 0},
-            {"type": "pointerDown", "button": 0},
+            {"type": "pointerDown", "button": LEFT},
         ]));
     }
 
     /// Lets go of the mouse's button.
     pub(crate) fn mouse_up(&self) {
-        self.mouse(&json!([{"type": "pointerUp", "button": 0}]));
+        self.button_up(LEFT);
+    }
+
+    /// Presses a button of the mouse where it is, and keeps it down.
+    pub(crate) fn button_down(&self, button: u8) {
+        self.mouse(&json!([{"type": "pointerDown", "button": button}]));
+    }
+
+    /// Lets go of one.
+    pub(crate) fn button_up(&self, button: u8) {
+        self.mouse(&json!([{"type": "pointerUp", "button": button}]));
+    }
+
+    /// A click so many CSS pixels right of an element's middle and below it.
+    pub(crate) fn click_at(&self, css: &str, (right, down): (i64, i64)) {
+        let origin = self.session.element(css);
+        self.mouse(&json!([
+            {"type": "pointerMove", "origin": origin, "x": right, "y": down, "duration": 0},
+            {"type": "pointerDown", "button": LEFT},
+            {"type": "pointerUp", "button": LEFT},
+        ]));
     }
 
     /// A click with the mouse.
@@ -169,12 +193,15 @@ impl Browser {
     pub(crate) fn open_another_tab(&self) {
         let opened = self.session.post("/window/new", json!({"type": "tab"}));
         self.session.post("/window", json!({"handle": opened["handle"]}));
+        // a new tab is not always the one that has the focus
+        self.devtools("Page.bringToFront", &json!({}));
     }
 
     /// Closes the tab that is driven and goes to another.
     pub(crate) fn close_for(&self, tab: &Value) {
         self.session.delete("/window").expect("a tab that can be closed");
         self.session.post("/window", json!({"handle": tab}));
+        self.devtools("Page.bringToFront", &json!({}));
     }
 
     /// The size of the page, and whether the operator likes it `light` or `dark`.

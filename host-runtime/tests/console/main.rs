@@ -9,10 +9,14 @@
 
 mod browser;
 mod driver;
+mod eyes;
+mod holding;
+mod late;
 mod others;
 mod pages;
 mod program;
 mod proxy;
+mod replay;
 mod setup;
 mod start;
 mod stops;

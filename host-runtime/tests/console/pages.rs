@@ -11,7 +11,14 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// A tablet held upright, CSS pixels.
-const TABLET: (u32, u32) = (768, 1024);
+pub(crate) const TABLET: (u32, u32) = (768, 1024);
+
+/// Where pictures of pages are left.
+pub(crate) fn screens() -> PathBuf {
+    let folder = tetrad_tests::target().join("verify/screens");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
 
 /// Paths of the pages: what the overview links to, and what that links to.
 fn pages(browser: &Browser, program: &Program) -> BTreeSet<String> {
@@ -61,10 +68,6 @@ fn stop_comes_first_and_is_reached_by_keyboard_on_every_page() {
                 browser.tap(TAB);
                 assert_eq!(browser.script("return document.activeElement.id"), "stop", "{path}");
             }
-            // where there is hold-to-run the space bar is the arm's, wherever the focus is
-            if key == SPACE && browser.script("return Boolean(document.getElementById('hold'))") == true {
-                continue;
-            }
             browser.tap(key);
             witness.until("the stop", |live| live["control"]["stopped"] == true);
         }
@@ -88,8 +91,7 @@ fn every_page_is_clean_and_has_its_picture_taken() {
     let Some(browser) = Browser::open("console::pages::every_page_is_clean_and_has_its_picture_taken") else {
         return;
     };
-    let folder: PathBuf = tetrad_tests::target().join("verify/screens");
-    std::fs::create_dir_all(&folder).expect("a folder");
+    let folder = screens();
     let program = Program::operator();
     let witness = Witness::of(program.address());
     witness.until("the hand", |live| live["snapshot"]["hand"]["position_mm"].is_array());

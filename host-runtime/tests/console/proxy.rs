@@ -1,16 +1,20 @@
-//! A line between the browser and the console that can be cut, or can hang.
+//! A line between the browser and the console that can be cut, can hang, and can be late.
 
 use std::io::{Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How long a line that hangs waits before it looks whether it still does.
 const POLL: Duration = Duration::from_millis(5);
 
 /// What is passed on at once, bytes.
 const CHUNK: usize = 16 * 1024;
+
+/// So many chunks are on their way in a line that is late; whoever sends more waits.
+const ON_THE_WAY: usize = 2048;
 
 /// Passes on whatever comes, both ways.
 pub(crate) struct Proxy {
@@ -26,6 +30,8 @@ struct Line {
     holds_up: Mutex<Option<&'static str>>,
     /// Who connects is closed at once.
     cut: AtomicBool,
+    /// Everything gets through so much later, microseconds.
+    late_us: AtomicU64,
     open: Mutex<Vec<TcpStream>>,
 }
 
@@ -47,7 +53,9 @@ impl Proxy {
                 for (from, to, asks) in [(&browser, &console, true), (&console, &browser, false)] {
                     let (from, to) = (from.try_clone().expect("a socket"), to.try_clone().expect("a socket"));
                     let (line, path) = (Arc::clone(&passing), Arc::clone(&path));
-                    std::thread::spawn(move || line.pass(from, to, &path, asks));
+                    let (reads, comes) = sync_channel(ON_THE_WAY);
+                    std::thread::spawn(move || read(from, &reads));
+                    std::thread::spawn(move || line.pass(&comes, to, &path, asks));
                 }
                 passing.open.lock().expect("no panic").extend([browser, console]);
             }
@@ -79,35 +87,61 @@ impl Proxy {
         *self.line.holds_up.lock().expect("no panic") = Some(path);
     }
 
-    /// Everything gets through again.
-    pub(crate) fn mend(&self) {
+    /// Everything gets through, so much later, each way.
+    pub(crate) fn delay(&self, late: Duration) {
+        let late_us = u64::try_from(late.as_micros()).expect("less than an age");
+        self.line.late_us.store(late_us, Ordering::Relaxed);
+    }
+
+    /// Who connects is let through again.
+    pub(crate) fn open(&self) {
         self.line.cut.store(false, Ordering::Relaxed);
+    }
+
+    /// Everything gets through again, at once.
+    pub(crate) fn mend(&self) {
+        self.open();
+        self.delay(Duration::ZERO);
         self.line.hangs.store(false, Ordering::Relaxed);
         *self.line.holds_up.lock().expect("no panic") = None;
     }
 }
 
+/// What came, and when; nothing at the end.
+type Chunk = (Instant, Vec<u8>);
+
+/// Reads one direction of one connection to its end.
+fn read(mut from: TcpStream, reads: &SyncSender<Chunk>) {
+    let mut chunk = vec![0; CHUNK];
+    // a connection that is reset has ended
+    while let Ok(length @ 1..) = from.read(&mut chunk) {
+        if reads.send((Instant::now(), chunk[..length].to_vec())).is_err() {
+            return;
+        }
+    }
+}
+
 impl Line {
     /// One direction of one connection.
-    fn pass(&self, mut from: TcpStream, mut to: TcpStream, path: &Mutex<String>, asks: bool) {
-        let mut chunk = vec![0; CHUNK];
-        while let Ok(length) = from.read(&mut chunk) {
-            let bytes = &chunk[..length];
+    fn pass(&self, comes: &Receiver<Chunk>, mut to: TcpStream, path: &Mutex<String>, asks: bool) {
+        for (came, bytes) in comes {
             if asks && bytes.starts_with(b"GET ") {
-                let head = String::from_utf8_lossy(bytes);
+                let head = String::from_utf8_lossy(&bytes);
                 head.split(' ').nth(1).unwrap_or_default().clone_into(&mut path.lock().expect("no panic"));
             }
-            while self.hangs.load(Ordering::Relaxed) || self.is_held_up(path) {
+            while self.hangs.load(Ordering::Relaxed) || self.is_held_up(path) || !self.is_due(came) {
                 std::thread::sleep(POLL);
             }
-            if length == 0 || to.write_all(bytes).is_err() {
+            if to.write_all(&bytes).is_err() {
                 break;
             }
         }
-        for socket in [from, to] {
-            // the other direction may have closed it
-            let _ = socket.shutdown(Shutdown::Both);
-        }
+        // the other side may have closed it
+        let _ = to.shutdown(Shutdown::Both);
+    }
+
+    fn is_due(&self, came: Instant) -> bool {
+        came.elapsed() >= Duration::from_micros(self.late_us.load(Ordering::Relaxed))
     }
 
     fn is_held_up(&self, path: &Mutex<String>) -> bool {

@@ -14,9 +14,13 @@ const TOKEN: &str = "0123456789abcdef-of-the-tests";
 /// More connections than there is room for.
 const SOCKETS: usize = 100;
 
-/// So often it is tried that the arm is driven on without a break; a computer that is too busy for the page
-/// breaks it by itself.
+/// So often it is tried that the arm is driven on without a break. A computer that is too busy for the page breaks it by
+/// itself: a try counts where there was no break for as long before the strangers came as they stay.
 const TRIES: usize = 3;
+const MOST_TRIES: usize = 12;
+
+/// So long before, about as long as they stay.
+const QUIET: Duration = Duration::from_secs(2);
 
 /// Sends a request as it stands and gives the status of the answer.
 fn status(console: SocketAddr, request: &[u8]) -> Option<u16> {
@@ -89,8 +93,10 @@ fn strangers_are_refused_and_driving_goes_on() {
     take(&browser);
 
     let mut spans_us = Vec::new();
-    for _ in 0..TRIES {
+    for _ in 0..MOST_TRIES {
         hold(&browser, &witness);
+        let quiet_us = witness.now_us();
+        std::thread::sleep(QUIET);
         let from_us = witness.now_us();
         for (who, request, refused) in attempts(console) {
             assert_eq!(status(console, &request), Some(refused), "{who}");
@@ -104,15 +110,24 @@ fn strangers_are_refused_and_driving_goes_on() {
         std::thread::sleep(Duration::from_secs(1));
         let sockets = witness.until("the crowd", |_| true);
         assert_ne!(sockets["control"]["stopped"], true, "nobody has stopped it");
-        spans_us.push((from_us, witness.now_us()));
+        let to_us = witness.now_us();
         drop(crowd);
         browser.key_up(SPACE);
+        if program.so_far().moved_throughout(quiet_us, from_us) {
+            spans_us.push((from_us, to_us));
+        }
+        if spans_us.len() == TRIES {
+            break;
+        }
     }
     let record = program.end();
     let unbroken =
         spans_us.iter().filter(|(from_us, to_us)| record.moved_throughout(*from_us, *to_us)).count();
+    let tries = spans_us.len();
     println!(
-        "measured: driven on without a break among strangers and {SOCKETS} sockets: {unbroken} of {TRIES} times"
+        "measured: driven on without a break among strangers and {SOCKETS} sockets: {unbroken} of {tries} times"
     );
-    assert!(unbroken > 0);
+    assert!(tries > 0, "the computer was too busy every time");
+    // a break may fall among strangers by chance, on a computer that has them elsewhere too; not as a rule
+    assert!(3 * unbroken >= 2 * tries, "{unbroken} of {tries}");
 }

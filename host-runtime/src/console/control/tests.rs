@@ -113,6 +113,19 @@ fn a_reset_lets_go() {
 }
 
 #[test]
+fn when_the_button_was_last_told_is_known_after_its_end_too() {
+    let mut control = Control::new(true);
+    assert_eq!(control.view(None, 0).held_us, None);
+    control = pressed();
+    control.hold(A, 1, 1_030_000, 1_030_000).unwrap();
+    control.release(A, 1_040_000);
+    // what does not count is no such message
+    assert_eq!(control.hold(A, 1, 1_050_000, 1_050_000), Err(Refusal::Ended));
+    control.leave(A);
+    assert_eq!(control.view(None, 1_060_000).held_us, Some(1_030_000));
+}
+
+#[test]
 fn one_tab_at_a_time() {
     let mut control = pressed();
     assert_eq!(control.take(B, "b", 1_010_000), Err(Refusal::AnotherDrives));

@@ -7,6 +7,9 @@ import { find, isTyping, write } from "./page.js";
 
 const HERE_MS = 500;
 
+// STOP, for one, has the focus once it was clicked.
+const SPACE_ELSEWHERE = " The space bar is now for what has the focus: M gives it to the arm.";
+
 export class Controls {
   #live;
   #hold;
@@ -19,7 +22,7 @@ export class Controls {
     const actions = { take: () => this.#take(), give: () => this.#give(), reset: () => this.#reset() };
     for (const [name, act] of Object.entries(actions)) find(name).addEventListener("click", act);
     find("homed")?.addEventListener("click", () => live.send({ type: "homed" }));
-    const keys = { t: actions.take, g: actions.give, r: actions.reset };
+    const keys = { t: actions.take, g: actions.give, r: actions.reset, m: () => this.#hold.takeFocus() };
     addEventListener("keydown", (event) => {
       if (event.repeat || event.ctrlKey || event.altKey || event.metaKey || isTyping(event)) return;
       keys[event.key.toLowerCase()]?.();
@@ -46,16 +49,21 @@ export class Controls {
   // Which buttons can be used, and in words who is in control.
   show(control) {
     const held = this.#hold.isHeld;
+    // a button that is pressed once and has done its work leaves the space bar to the arm
+    const hasTaken = control.yours && document.activeElement === find("take");
+    if (!control.yours && document.activeElement === find("hold")) find("hold").blur();
     find("take").disabled = !control.drives || control.yours;
     for (const name of ["give", "reset", "hold", "homed"]) {
       const button = find(name);
       if (button) button.disabled = !control.yours;
     }
+    if (hasTaken) this.#hold.takeFocus();
     find("hold").setAttribute("aria-pressed", String(held && control.pressed));
     document.body.classList.toggle("stopped", control.stopped);
     // that somebody has stopped the arm is more than why a press did not count
     const stopped = control.yours && control.stopped;
-    write(find("control"), (!stopped && this.#message) || standing(control, held));
+    const elsewhere = control.yours && !held && !this.#hold.hasSpaceBar;
+    write(find("control"), (!stopped && this.#message) || standing(control, held) + (elsewhere ? SPACE_ELSEWHERE : ""));
   }
 
   #take() {
@@ -73,6 +81,8 @@ export class Controls {
     this.#message = "";
     this.#hold.end();
     this.#live.send({ type: "reset" });
+    // what comes next is a press, by whichever key or button this was asked for
+    if (this.#control?.yours) this.#hold.takeFocus();
   }
 }
 

@@ -41,7 +41,7 @@ fetch("/api/arm")
 
 live.addEventListener("hello", ({ detail }) => {
   // a console that was started again has the same views
-  views ??= new Views(places(detail.views));
+  views ??= new Views(places(detail.views), live);
 });
 
 function places(told) {

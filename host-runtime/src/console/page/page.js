@@ -2,6 +2,9 @@
 
 const SILENT_MS = 500;
 
+// There and back: the console takes no press from a page that has heard of it longer ago (HEARD_US of control.rs).
+const LATE_MS = 250;
+
 export const find = (id) => document.getElementById(id);
 
 // Changes an element's text where it differs, so that readers of the screen are not told it again.
@@ -12,6 +15,8 @@ export function write(element, text) {
 export function ms(us) {
   return us === null || us === undefined ? "never" : us < 1e6 ? `${(us / 1000).toFixed(0)} ms` : `${(us / 1e6).toFixed(1)} s`;
 }
+
+export const inWords = (milliseconds) => ms(milliseconds * 1000);
 
 // Whether keys are letters for what has the focus; elsewhere they are buttons.
 export const isTyping = (event) =>
@@ -39,13 +44,22 @@ export function lines(list, told) {
   items(list, told.map((line) => line.text).reverse());
 }
 
-// Says whether the console is heard, now and ten times a second.
+// Says whether the console is heard, and how old that is, now and ten times a second.
 export function watchLink(live, element) {
+  // numbers that change all the time are beside what readers of the screen are told
+  const trip = document.createElement("span");
+  trip.className = "trip";
+  element.before(trip);
   const tell = () => {
     const silent = live.silentMs > SILENT_MS;
+    const { age, tripMs } = live;
+    const late = !silent && (tripMs > LATE_MS || (age !== null && age.ms + age.within > SILENT_MS));
     document.body.classList.toggle("silent", silent);
-    const age = Number.isFinite(live.silentMs) ? ` for ${(live.silentMs / 1000).toFixed(1)} s: what you see is old` : "";
-    write(element, silent ? `NO CONNECTION${age}` : "connected");
+    document.body.classList.toggle("late", late);
+    write(trip, silent || tripMs === null ? "" : `${inWords(tripMs)} there and back`);
+    const since = Number.isFinite(live.silentMs) ? ` for ${(live.silentMs / 1000).toFixed(1)} s: what you see is old` : "";
+    const old = age === null ? "" : `: what you see is ${inWords(age.ms)} old`;
+    write(element, silent ? `NO CONNECTION${since}` : late ? `LATE${old}` : "connected");
   };
   setInterval(tell, 100);
   live.addEventListener("lost", tell);

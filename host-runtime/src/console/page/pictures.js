@@ -1,10 +1,15 @@
-// The socket /pictures: each view's newest picture, and how old it is.
+// The socket /pictures: each view's newest picture, and when it was taken.
 //
 // The next picture of a view is asked for when the last one is drawn, so that a slow page gets fewer, never
 // older ones.
 
+import { inWords } from "./page.js";
+
 // What is older is not to be steered by.
-export const STALE_MS = 500;
+const STALE_MS = 500;
+
+// An age that is known less well says so.
+const VAGUE_MS = 100;
 
 const RETRY_MS = 1000;
 
@@ -13,7 +18,7 @@ export class Pictures {
   #show;
   #socket = null;
 
-  // `show(view, picture, header, takenMs)` draws one; the picture is closed after it.
+  // `show(view, picture, header)` draws one; the picture is closed after it.
   constructor(views, show) {
     this.#views = views;
     this.#show = show;
@@ -43,10 +48,9 @@ export class Pictures {
   async #hear(socket, message) {
     const length = new DataView(message).getUint32(0, true);
     const header = JSON.parse(new TextDecoder().decode(new Uint8Array(message, 4, length)));
-    const takenMs = performance.now() - header.age_us / 1000;
     try {
       const picture = await createImageBitmap(new Blob([new Uint8Array(message, 4 + length)], { type: "image/jpeg" }));
-      this.#show(header.view, picture, header, takenMs);
+      this.#show(header.view, picture, header);
       picture.close();
     } finally {
       if (socket.readyState === WebSocket.OPEN) {
@@ -56,10 +60,13 @@ export class Pictures {
   }
 }
 
-// How old a picture is, in words; with the age that the program tells where none has come to this page.
-export function ageWords(takenMs) {
-  if (takenMs === null) return { stale: true, text: "no picture yet" };
-  const age = performance.now() - takenMs;
-  const stale = age > STALE_MS;
-  return { stale, text: stale ? `STALE: ${(age / 1000).toFixed(1)} s old` : `${age.toFixed(0)} ms` };
+// How old a picture is that was taken at a time of the operator's clock, in words; its way to this page included.
+// One that may be too old counts as too old.
+export function ageWords(takenUs, clock) {
+  if (takenUs === null) return { stale: true, text: "no picture yet" };
+  const age = clock.age(takenUs);
+  if (age === null) return { stale: true, text: "age not known yet" };
+  const stale = age.ms + age.within > STALE_MS;
+  const vague = age.within > VAGUE_MS ? `, give or take ${inWords(age.within)}` : "";
+  return { stale, text: stale ? `STALE: ${(age.ms / 1000).toFixed(1)} s old${vague}` : `${age.ms.toFixed(0)} ms` };
 }

@@ -32,14 +32,16 @@ function plotly() {
   return loading;
 }
 
-// One plot in an element, in the page's colours. It is drawn anew when the scheme changes.
+// One plot in an element, in the page's colours, as large as the element. It is drawn anew when the scheme changes.
 export class Plot {
   #element;
   #newest = null;
+  #isDrawn = false;
 
   constructor(element) {
     this.#element = element;
     whenRecoloured(() => this.#again());
+    new ResizeObserver(() => this.#fit()).observe(element);
   }
 
   // No text may have tags: plotly makes inline styles of them, which the policy forbids. `make` is asked for { traces, layout } as plotly takes them; it may ask for colours (palette.js).
@@ -49,7 +51,16 @@ export class Plot {
     // what came while the script was loading is newer
     if (this.#newest !== make) return;
     const { traces, layout } = make();
-    await Plotly.react(this.#element, traces, themed(layout), { displayModeBar: false, responsive: true });
+    await Plotly.react(this.#element, traces, themed(layout), { displayModeBar: false });
+    this.#isDrawn = true;
+    // its place may have changed meanwhile
+    this.#fit();
+  }
+
+  #fit() {
+    const { clientWidth, clientHeight, _fullLayout: drawn } = this.#element;
+    if (!this.#isDrawn || !clientWidth || (drawn.width === clientWidth && drawn.height === clientHeight)) return;
+    window.Plotly.Plots.resize(this.#element);
   }
 
   #again() {

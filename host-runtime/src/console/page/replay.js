@@ -296,12 +296,13 @@ async function plots(one, { files, sections }) {
     pair.className = "pair";
     panel.append(heading, note, pair);
     find("plots").append(panel);
-    for (const { data, layout } of panels) {
-      const place = document.createElement("div");
-      place.className = "plot";
-      pair.append(place);
+    // all have their places before the first is drawn as wide as its own
+    const places = panels.map(() => document.createElement("div"));
+    for (const place of places) place.className = "plot";
+    pair.append(...places);
+    for (const [at, { data, layout }] of panels.entries()) {
       // what hides and shows curves is a click on their names
-      await new Plot(place).draw(() => ({ traces: data, layout: { ...layout, height: 350 } }));
+      await new Plot(places[at]).draw(() => ({ traces: data, layout }));
     }
   }
 }

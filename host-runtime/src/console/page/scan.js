@@ -66,7 +66,6 @@ function plot(u, told) {
   // pixels reach half a column beyond their centres
   if (told.borders) shapes.push(upright(told.borders[0] - 0.5, "solid"), upright(told.borders[1] + 0.5, "solid"));
   const layout = {
-    height: 250,
     margin: { l: 36, r: 8, t: 4, b: 34 },
     font: { size: 12 },
     showlegend: true,

@@ -26,7 +26,7 @@ live.addEventListener("hello", ({ detail }) => {
   number = detail.page;
   if (!views.length) {
     detail.views.forEach((view, at) => view.kind === "hand" && views.push(new SetUpView(page, view.name, at)));
-    pictures ??= new Views(views.map((view) => [view.at, view.figure]));
+    pictures ??= new Views(views.map((view) => [view.at, view.figure]), live);
   }
   refresh();
 });

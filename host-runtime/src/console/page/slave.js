@@ -15,17 +15,17 @@ watchLink(live, find("link"));
 const controls = new Controls(live);
 const canvas = find("stage");
 const stereo = new Stereo(canvas);
-// when each eye's newest picture was taken, by this page's clock
-const takenMs = [null, null];
+// when each eye's newest picture was taken, by the operator's clock
+const takenUs = [null, null];
 let pictures = null;
 
 live.addEventListener("hello", ({ detail }) => {
   if (pictures) return;
   const eyes = detail.views.flatMap(({ kind }, view) => (kind === "eye" ? [view] : []));
-  pictures = new Pictures(eyes, (view, picture, _header, taken) => {
+  pictures = new Pictures(eyes, (view, picture, header) => {
     const eye = eyes.indexOf(view);
     stereo.keep(eye, picture);
-    takenMs[eye] = taken;
+    takenUs[eye] = header.taken_us;
     if (!stereo.isAlternating) redraw();
   });
 });
@@ -39,8 +39,8 @@ live.addEventListener("live", () => {
 
 // What is shown is as old as the older eye's picture.
 setInterval(() => {
-  const known = takenMs.filter((taken) => taken !== null);
-  const { stale, text } = ageWords(known.length ? Math.min(...known) : null);
+  const known = takenUs.filter((taken) => taken !== null);
+  const { stale, text } = ageWords(known.length ? Math.min(...known) : null, live.clock);
   document.body.classList.toggle("stale", stale);
   write(find("stamp"), text);
 }, 100);

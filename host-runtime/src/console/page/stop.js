@@ -14,6 +14,10 @@ export function stopWith(live, button) {
   // at the touch, not at the end of it
   button.addEventListener("pointerdown", stop);
   button.addEventListener("click", stop);
+  // and at the key's way down, not up
+  button.addEventListener("keydown", (event) => {
+    if (!event.repeat && (event.code === "Space" || event.key === "Enter")) stop();
+  });
   addEventListener("keydown", (event) => {
     if (event.key === "Escape" || (event.key.toLowerCase() === "s" && !isTyping(event) && !event.ctrlKey)) {
       event.preventDefault();

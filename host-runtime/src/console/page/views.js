@@ -7,24 +7,27 @@ import { write } from "./page.js";
 export class Views {
   #views = new Map();
 
-  // `places`: view number -> figure with a canvas and a caption.
-  constructor(places) {
+  #live;
+
+  // `places`: view number -> figure with a canvas and a caption; `live` knows the operator's clock.
+  constructor(places, live) {
+    this.#live = live;
     for (const [view, figure] of places) {
       const canvas = figure.querySelector("canvas");
       const stamp = figure.querySelector(".stamp");
-      this.#views.set(view, { figure, canvas, stamp, takenMs: null });
+      this.#views.set(view, { figure, canvas, stamp, takenUs: null });
     }
-    new Pictures([...this.#views.keys()], (number, picture, header, takenMs) => {
+    new Pictures([...this.#views.keys()], (number, picture, header) => {
       const view = this.#views.get(number);
       draw(view.canvas, picture, header.balls);
-      view.takenMs = takenMs;
+      view.takenUs = header.taken_us;
     });
     setInterval(() => this.#stamp(), 100);
   }
 
   #stamp() {
-    for (const { figure, stamp, takenMs } of this.#views.values()) {
-      const { stale, text } = ageWords(takenMs);
+    for (const { figure, stamp, takenUs } of this.#views.values()) {
+      const { stale, text } = ageWords(takenUs, this.#live.clock);
       figure.classList.toggle("stale", stale);
       write(stamp, text);
     }

@@ -76,6 +76,35 @@ fn what_is_written_can_be_read_in_the_light_and_in_the_dark() {
     }
 }
 
+/// What is written is as legible as the test above has it: it is never faded, on no page and in no state. Pictures may
+/// be, where they are old.
+#[test]
+fn nothing_that_is_written_is_faded() {
+    let styles: Vec<&Page> = PAGES.iter().filter(|page| page.path.ends_with(".css")).collect();
+    assert!(styles.len() >= 4);
+    for Page { path, content, .. } in styles {
+        for rule in content.split('}') {
+            let Some((selectors, declarations)) = rule.rsplit_once('{') else { continue };
+            let fades =
+                declarations.split(';').filter_map(|one| one.trim().split_once(':')).any(|(name, value)| {
+                    let value = value.trim();
+                    match name.trim() {
+                        "opacity" => value != "1",
+                        "filter" => value.contains("opacity"),
+                        _ => false,
+                    }
+                });
+            for selector in selectors.split(',').filter(|_| fades) {
+                assert!(selector.trim().ends_with(" canvas"), "{path}: {selector} is faded");
+            }
+        }
+    }
+    // nor by a script
+    for page in PAGES.iter().filter(|page| page.path.ends_with(".js")) {
+        assert!(!page.content.contains(".opacity"), "{}", page.path);
+    }
+}
+
 /// Whoever needs it finds it first, by keyboard too, on every page that has a link to the arm.
 #[test]
 fn stop_is_the_first_that_the_keyboard_reaches() {
@@ -99,6 +128,7 @@ fn scripts_find_their_elements() {
         ("/setup", &["/setup.js", "/setup-view.js"]),
         ("/drive", &["/drive.js", "/controls.js"]),
         ("/slave", &["/slave.js", "/controls.js"]),
+        ("/replay", &["/replay.js"]),
     ] {
         for script in scripts {
             for rest in of(script).split("find(\"").skip(1) {

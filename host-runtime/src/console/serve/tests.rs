@@ -136,6 +136,35 @@ async fn what_is_not_understood_lets_go() {
 }
 
 #[tokio::test]
+async fn the_line_is_measured_by_echoes_which_hold_nothing() {
+    let (console, desk) = console(true);
+    let mut tab = Tab::open(console.address()).await;
+    tab.take().await;
+    tab.press(|| desk.buttons().pressed).await;
+    let before_us = desk.now_us();
+    tab.say(json!({"type": "echo", "sent_us": 123_456})).await;
+    let echo = loop {
+        let Some(Message::Text(text)) = tab.next().await else { panic!("the socket is closed") };
+        let told: serde_json::Value = serde_json::from_str(&text).unwrap();
+        if told["type"] == "echo" {
+            break told;
+        }
+    };
+    assert_eq!(echo["sent_us"], 123_456);
+    let answered_us = echo["now_us"].as_u64().unwrap();
+    assert!((before_us..=desk.now_us()).contains(&answered_us));
+    // nor is it a sign of somebody being there
+    let wait_for = async {
+        while desk.control().view(None, desk.now_us()).holder.is_some() {
+            tab.say(json!({"type": "echo", "sent_us": 1})).await;
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+    };
+    tokio::time::timeout(LONG, wait_for).await.expect("it is in control no more");
+    assert!(!desk.buttons().pressed);
+}
+
+#[tokio::test]
 async fn pictures_come_one_at_a_time_and_the_newest() {
     let (console, desk) = console(true);
     let mut tab = Tab::try_open(console.address(), "/pictures?views=0,7").await.unwrap();
@@ -155,6 +184,7 @@ async fn pictures_come_one_at_a_time_and_the_newest() {
         let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
         let header: serde_json::Value = serde_json::from_slice(&bytes[4..4 + length]).unwrap();
         assert_eq!((&header["view"], &header["width"]), (&json!(0), &json!(4)));
+        assert!(header["taken_us"].as_u64().is_some_and(|taken_us| taken_us <= desk.now_us()), "{header}");
         let sequence = header["sequence"].as_u64().unwrap();
         assert_eq!(&bytes[4 + length..], [sequence as u8; 5]);
         sequence

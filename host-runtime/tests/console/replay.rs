@@ -1,0 +1,152 @@
+//! The replay page with a recorded session: scrubbed, read whole, exported, and its plots in their places.
+
+use super::browser::{Browser, DESK, SPACE};
+use super::driver::{hold, sees_stop, take_control};
+use super::pages::{TABLET, screens};
+use super::program::Program;
+use super::turn;
+use super::witness::Witness;
+use serde_json::Value;
+
+/// A tablet held sideways, CSS pixels.
+const SIDEWAYS: (u32, u32) = (1024, 768);
+
+/// Every plot is drawn, as large as its place, and no two places have a pixel in common.
+const PLOTS_ARE_IN_PLACE: &str = "((places) => {
+  const boxes = places.map((place) => place.getBoundingClientRect());
+  const drawn = places.every((place, at) => {
+    const svg = place.querySelector('.main-svg')?.getBoundingClientRect();
+    return svg && Math.abs(svg.width - boxes[at].width) < 2 && Math.abs(svg.height - boxes[at].height) < 2;
+  });
+  const apart = boxes.every((one, at) => boxes.slice(at + 1).every((other) =>
+    one.right <= other.left + 0.5 || other.right <= one.left + 0.5 || one.bottom <= other.top + 0.5 || other.bottom <= one.top + 0.5));
+  const inside = boxes.every((box) => box.left >= 0 && box.right <= innerWidth && box.width > 250 && box.height > 250);
+  return places.length >= 5 && drawn && apart && inside;
+})([...document.querySelectorAll('#plots .plot')])";
+
+/// How much of the first camera's picture is not black, 0 to 1.
+const LIT: &str = "((canvas) => {
+  const pen = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
+  pen.drawImage(canvas, 0, 0);
+  const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
+  let lit = 0;
+  for (let at = 0; at < data.length; at += 4) lit += data[at] + data[at + 1] + data[at + 2] > 60;
+  return lit / (data.length / 4);
+})(document.querySelector('#views canvas'))";
+
+/// Records a session in which the arm is driven for a moment.
+fn record(browser: &Browser, sessions: &std::path::Path) {
+    let program = Program::recorded(sessions);
+    let witness = Witness::of(program.address());
+    take_control(browser, &program.url("/drive"));
+    hold(browser, &witness);
+    browser.key_up(SPACE);
+    sees_stop(&witness);
+    program.end();
+}
+
+/// The moment that is shown, seconds.
+fn shown_s(browser: &Browser) -> f64 {
+    let text = browser.text("#time");
+    text.split(' ')
+        .next()
+        .and_then(|seconds| seconds.parse().ok())
+        .unwrap_or_else(|| panic!("no time: {text}"))
+}
+
+#[test]
+fn a_session_is_scrubbed_exported_and_plotted() {
+    let _turn = turn();
+    let Some(browser) = Browser::open("console::replay::a_session_is_scrubbed_exported_and_plotted") else {
+        return;
+    };
+    let sessions = tempfile::tempdir().expect("a directory");
+    record(&browser, sessions.path());
+    let folder = sessions.path().to_str().expect("a path in plain letters");
+    let program = Program::operator_with(&format!("sessions = {folder:?}\n"), &[]);
+    browser.go(&program.url("/replay"));
+    browser.until("document.querySelectorAll('#session option').length === 2");
+    // what was told before is of other pages
+    browser.log();
+    browser.script(
+        "const session = document.getElementById('session');
+         session.value = 'driven.mcap';
+         session.dispatchEvent(new Event('change'));",
+    );
+    browser.until("!document.getElementById('slider').disabled");
+    browser.until("document.querySelectorAll('#views canvas').length === 2");
+    let length_s =
+        browser.script("return document.getElementById('slider').max / 1e6").as_f64().expect("seconds");
+
+    // moment by moment, by its keys, its buttons and its slider
+    browser.until("document.getElementById('time').textContent.startsWith('0.000 s (')");
+    browser.tap("\u{e014}");
+    browser.until("!document.getElementById('time').textContent.startsWith('0.000 s')");
+    let second_s = shown_s(&browser);
+    assert!(second_s > 0.0 && second_s < 1.0, "one picture on is {second_s} s");
+    browser.click("#on");
+    browser.until(&format!("parseFloat(document.getElementById('time').textContent) > {second_s}"));
+    browser.script(
+        "const slider = document.getElementById('slider');
+         slider.value = slider.max / 2;
+         slider.dispatchEvent(new Event('input'));",
+    );
+    let middle_s = length_s / 2.0;
+    browser.until(&format!(
+        "Math.abs(parseFloat(document.getElementById('time').textContent) - {middle_s}) < 0.01"
+    ));
+    browser.until(&format!("{LIT} > 0.5"));
+    assert_ne!(browser.text("#standing"), "nothing is open");
+    assert_eq!(browser.script("return document.querySelectorAll('#cameras tr').length"), 2);
+    browser.tap("\u{e010}");
+    browser.until(&format!(
+        "Math.abs(parseFloat(document.getElementById('time').textContent) - {length_s}) < 0.01"
+    ));
+    // it plays by itself, from the beginning once more
+    browser.tap("p");
+    browser.until(&format!(
+        "(now => now > 0.2 && now < {length_s})(parseFloat(document.getElementById('time').textContent))"
+    ));
+    browser.tap("p");
+
+    // all of it: plots beside each other whatever the window's size, and files
+    browser.click("#whole");
+    browser.until(PLOTS_ARE_IN_PLACE);
+    let folder = screens();
+    for (size, of) in [(DESK, "desk"), (SIDEWAYS, "sideways"), (TABLET, "tablet")] {
+        for scheme in ["light", "dark"] {
+            browser.look(size, scheme);
+            browser.until(PLOTS_ARE_IN_PLACE);
+            let wide = browser.script("return document.documentElement.scrollWidth > innerWidth");
+            assert_eq!(wide, false, "the plots do not fit a {of}");
+            for (part, to) in [("session", "0"), ("plots", "document.getElementById('plots').offsetTop - 60")]
+            {
+                browser.script(&format!("scrollTo(0, {to})"));
+                let file = folder.join(format!("replay-{part}-{of}-{scheme}.png"));
+                std::fs::write(&file, browser.picture()).expect("a picture");
+            }
+        }
+    }
+    browser.look(DESK, "light");
+    // letters of plots are in the page's ink, which is tried for its contrast
+    let ink = browser.script(
+        "const text = document.querySelector('#plots .xtick text');
+         return [getComputedStyle(text).fill, getComputedStyle(document.body).color]",
+    );
+    assert_eq!(ink[0], ink[1], "a plot's letters");
+
+    let files = browser.script("return [...document.querySelectorAll('#files a')].map((link) => link.href)");
+    let files: Vec<&str> = files.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    assert!(files.iter().any(|file| file.ends_with(".html")), "a report: {files:?}");
+    for name in ["observations.csv", "pose.csv"] {
+        let link =
+            files.iter().find(|file| file.ends_with(name)).unwrap_or_else(|| panic!("{name}: {files:?}"));
+        let told = browser.script(&format!("return fetch({link:?}).then((answer) => answer.text())"));
+        let text = told.as_str().unwrap_or_default();
+        let columns = text.lines().next().unwrap_or_default().split(',').count();
+        let even = text.lines().all(|line| line.split(',').count() == columns);
+        assert!(columns > 4 && text.lines().count() > 10 && even, "{name}: {text:.200}");
+    }
+    let told = browser.log();
+    assert!(told.is_empty(), "{told:#?}");
+}
