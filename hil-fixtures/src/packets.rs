@@ -5,7 +5,7 @@ use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::{BALLS, Observation};
 use tetrad_core::wire::{
     ArmReason, ArmState, ArmStatePacket, ArmVerdict, ButtonsPacket, ControllerState, MotionPacket,
-    ObservationPacket, Transform,
+    ObservationPacket, PressFor, ScaleShare, Transform,
 };
 
 /// A hand at rest where it was latched, for the first time; the operator wants the arm to move.
@@ -38,7 +38,16 @@ pub const fn motion_to(session: u32, sequence: u32, place_m: [f32; 3]) -> Motion
 /// Nothing is pressed, and nothing was asked for.
 #[must_use]
 pub const fn buttons(session: u32, sequence: u32) -> ButtonsPacket {
-    ButtonsPacket { session, sequence, time_us: 0, pressed: false, stop: false, resets: 0 }
+    ButtonsPacket {
+        session,
+        sequence,
+        time_us: 0,
+        pressed: false,
+        stop: false,
+        resets: 0,
+        press_for: PressFor::Follow,
+        scale: ScaleShare::FULL,
+    }
 }
 
 /// An arm that is switched on and that nothing limits, in this state, for this reason.
@@ -61,6 +70,7 @@ pub const fn arm_state(state: ArmState, reason: ArmReason) -> ArmStatePacket {
         command: None,
         settled: None,
         buttons_age_us: None,
+        scale: 1.0,
     }
 }
 

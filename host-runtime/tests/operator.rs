@@ -289,7 +289,7 @@ fn buttons_are_told_again_and_again_and_at_once_when_they_change() {
     for now_us in (0..200_000).step_by(1_000) {
         clock.set(now_us);
         let pressed = (50_000..57_000).contains(&now_us);
-        let buttons = Buttons { pressed, stop: false, resets: u32::from(now_us >= 103_000) };
+        let buttons = Buttons { pressed, resets: u32::from(now_us >= 103_000), ..Buttons::default() };
         operator.step(&line, buttons, &clock);
         assert!(operator.sleep_us(now_us) <= 20_000);
         heard.extend(slave.buttons().map(|buttons| (now_us, buttons.what.pressed, buttons.what.resets)));

@@ -87,6 +87,11 @@ pub struct GovernorConfig {
     pub creep_share: f64,
     /// Through which singularities the arm may pass.
     pub passages: AllowedPassages,
+    /// Joints at which the tool is home, radians; `None`: where the arm was when it was first started. The arm
+    /// goes to where the tool is then, in the posture in which it stands.
+    pub home_rad: Option<[f64; JOINTS]>,
+    /// The share of its speed with which the arm goes home, above 0 and at most 1: nobody leads it by the hand.
+    pub home_speed_share: f64,
     /// How speed falls as the hand is known less well. The refined tracker's own figures stay around a
     /// millimetre and a hundredth of a radian.
     pub uncertainty: SlowedByUncertainty,
@@ -108,6 +113,8 @@ impl Default for GovernorConfig {
             singularity_margin: 0.15,
             creep_share: 0.1,
             passages: AllowedPassages { wrist: true, elbow: false, shoulder: false },
+            home_rad: None,
+            home_speed_share: 0.25,
             uncertainty: SlowedByUncertainty { full_m: 0.005, creep_m: 0.03, full_rad: 0.05, creep_rad: 0.3 },
         }
     }
@@ -143,6 +150,12 @@ pub enum GovernorConfigError {
     CreepShare,
     /// In `uncertainty` each creep must lie above its full, both from 0 to 10.
     Uncertainty,
+    /// `home_speed_share` must be above 0 and at most 1.
+    HomeSpeedShare,
+    /// `home_rad` of this joint must be within the joint's range.
+    Home(u8),
+    /// With the joints at `home_rad` the tool must be in the workspace.
+    HomeOutside,
 }
 
 impl fmt::Display for GovernorConfigError {
@@ -174,6 +187,9 @@ impl fmt::Display for GovernorConfigError {
             Self::SingularityMargin => "singularity_margin must be from 0 to 0.9",
             Self::CreepShare => "creep_share must be above 0 and at most 1",
             Self::Uncertainty => "in uncertainty each creep must be above its full, both from 0 to 10",
+            Self::HomeSpeedShare => "home_speed_share must be above 0 and at most 1",
+            Self::Home(joint) => return write!(f, "home_rad of joint {joint} must be within its range"),
+            Self::HomeOutside => "with the joints at home_rad the tool must be in the workspace",
         })
     }
 }
@@ -234,11 +250,10 @@ impl GovernorConfig {
         }
         let u = &self.uncertainty;
         let falls = |full: f64, creep: f64| full >= 0.0 && full < creep && creep <= 10.0;
-        if falls(u.full_m, u.creep_m) && falls(u.full_rad, u.creep_rad) {
-            Ok(())
-        } else {
-            Err(GovernorConfigError::Uncertainty)
+        if !falls(u.full_m, u.creep_m) || !falls(u.full_rad, u.creep_rad) {
+            return Err(GovernorConfigError::Uncertainty);
         }
+        if above_0(self.home_speed_share, 1.0) { Ok(()) } else { Err(GovernorConfigError::HomeSpeedShare) }
     }
 }
 
@@ -279,5 +294,7 @@ mod tests {
         assert_eq!(with(|c| c.creep_share = 0.0), Err(CreepShare));
         assert_eq!(with(|c| c.uncertainty.creep_m = 0.005), Err(Uncertainty));
         assert_eq!(with(|c| c.uncertainty.full_rad = f64::NAN), Err(Uncertainty));
+        assert_eq!(with(|c| c.home_speed_share = 0.0), Err(HomeSpeedShare));
+        assert_eq!(with(|c| c.home_speed_share = f64::NAN), Err(HomeSpeedShare));
     }
 }

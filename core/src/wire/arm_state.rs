@@ -75,11 +75,13 @@ pub enum ArmReason {
     NewSender,
     /// Stopped: the arm's port refused a set-point.
     SetPointRefused,
+    /// Armed: it takes a release and a press, for the press went on for something else.
+    PressChanged,
 }
 
 impl ArmReason {
     /// Every reason, in the order of their numbers.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::None,
         Self::Started,
         Self::Asked,
@@ -101,6 +103,7 @@ impl ArmReason {
         Self::LetGo,
         Self::NewSender,
         Self::SetPointRefused,
+        Self::PressChanged,
     ];
 }
 
@@ -235,6 +238,8 @@ pub struct ArmStatePacket {
     pub settled: Option<Settled>,
     /// How long ago the state of the operator's button was heard, microseconds; `None`: never.
     pub buttons_age_us: Option<u32>,
+    /// Metres of the tool for one of the hand: of the press that is on, or of the next.
+    pub scale: f32,
 }
 
 impl ArmStatePacket {
@@ -254,7 +259,8 @@ impl ArmStatePacket {
         + BYTE
         + Settled::MAX_LEN
         + BYTE
-        + MAX_U32;
+        + MAX_U32
+        + F32;
 
     /// How old the newest motion was at `time_us`, by the slave's own clock, microseconds.
     #[must_use]
@@ -269,6 +275,9 @@ impl ArmStatePacket {
         }
         if !(0.0..=1.0).contains(&self.speed_share) {
             return Err(BadValue::NotAShare);
+        }
+        if !self.scale.is_finite() {
+            return Err(BadValue::NotFinite);
         }
         self.tool.check()
     }

@@ -6,7 +6,7 @@ use postcard::ser_flavors::{Flavor, Slice};
 use serde::de::DeserializeOwned;
 
 /// The version of every packet's layout. docs/wire.md says when it is raised.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 
 /// The kinds' numbers; a number once used is never given to another kind.
 pub(super) const OBSERVATION: u8 = 1;
@@ -70,7 +70,11 @@ pub fn decode_body(body: &[u8]) -> Result<Packet, DecodeError> {
             packet.check().map_err(DecodeError::Value)?;
             Ok(packet.into())
         }
-        BUTTONS => read_fields::<ButtonsPacket>(fields).map(Packet::from),
+        BUTTONS => {
+            let packet: ButtonsPacket = read_fields(fields)?;
+            packet.check().map_err(DecodeError::Value)?;
+            Ok(packet.into())
+        }
         COMMAND => {
             let packet: CommandPacket = read_fields(fields)?;
             packet.check().map_err(DecodeError::Value)?;
@@ -101,7 +105,10 @@ pub(super) fn write_body<F: Flavor>(packet: &Packet, sink: F) -> Result<F::Outpu
             packet.check().map_err(EncodeError::Value)?;
             postcard::serialize_with_flavor(&(VERSION, ARM_STATE, packet), sink)
         }
-        Packet::Buttons(packet) => postcard::serialize_with_flavor(&(VERSION, BUTTONS, packet), sink),
+        Packet::Buttons(packet) => {
+            packet.check().map_err(EncodeError::Value)?;
+            postcard::serialize_with_flavor(&(VERSION, BUTTONS, packet), sink)
+        }
         Packet::Command(packet) => {
             packet.check().map_err(EncodeError::Value)?;
             postcard::serialize_with_flavor(&(VERSION, COMMAND, packet), sink)

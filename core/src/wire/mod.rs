@@ -27,7 +27,7 @@ pub use arm_state::{
     ArmReason, ArmState, ArmStatePacket, ArmVerdict, CommandEcho, ControllerState, MeasuredJoints, Settled,
 };
 pub use body::{MAX_BODY_LEN, VERSION, decode_body, encode_body};
-pub use buttons::ButtonsPacket;
+pub use buttons::{ButtonsPacket, PressFor, ScaleShare};
 pub use command::{BadPicture, Command, CommandPacket, NotTaught, Notice, NoticePacket};
 pub use decoder::{Decoder, Feed};
 pub use frame::{MAX_FRAME_LEN, encode};
@@ -57,7 +57,9 @@ impl core::fmt::Display for BadValue {
             Self::NotFinite => "the packet holds a number that is not finite",
             Self::NotARotation => "the packet holds a rotation that is none",
             Self::NotACovariance => "the packet holds a covariance that is none",
-            Self::NotAShare => "the packet holds a share that is not between 0 and 1",
+            Self::NotAShare => {
+                "the packet holds a share that is not one: between 0 and 1, or 1 to 100 percent"
+            }
         })
     }
 }

@@ -1,4 +1,4 @@
-//! The operator's terminal: the space bar as hold-to-run, and a stop that is always there.
+//! The operator's terminal: the space bar as hold-to-run (g for the way home), and a stop that is always there.
 //!
 //! A terminal tells that a key is down only by repeating it, and most tell nothing when it is let go. So
 //! the bar counts as held from its first repeat on, and after each repeat for twice as long as the
@@ -22,6 +22,7 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+use tetrad_core::wire::{PressFor, ScaleShare};
 
 /// Longer than the slowest usual delay before a key repeats (660 ms under X11).
 const FIRST_REPEAT: Duration = Duration::from_millis(700);
@@ -51,8 +52,24 @@ pub(in crate::cli) enum Key {
     Reset,
     /// The joints are homed.
     Homed,
+    /// The hand shall lead less far, or farther again.
+    Finer,
+    Coarser,
     /// End the program.
     Quit,
+}
+
+/// The shares of the scale that keys step through, percent.
+const SCALES: [u8; 6] = [2, 5, 10, 25, 50, 100];
+
+/// The next smaller share of the scale, or the next larger one; the last stays.
+pub(in crate::cli) fn next_scale(scale: ScaleShare, key: Key) -> ScaleShare {
+    let percent = scale.percent();
+    let next = match key {
+        Key::Finer => SCALES.iter().rev().find(|step| **step < percent),
+        _ => SCALES.iter().find(|step| **step > percent),
+    };
+    next.and_then(|percent| ScaleShare::from_percent(*percent)).unwrap_or(scale)
 }
 
 /// How long the space bar counts as held.
@@ -109,6 +126,8 @@ impl Held {
 #[derive(Debug)]
 pub(in crate::cli) struct Keyboard {
     held: Held,
+    /// What the key that is held is for.
+    held_for: PressFor,
     /// The bar was struck and nobody has asked yet.
     struck: bool,
     reader: Arc<Reader>,
@@ -188,7 +207,7 @@ impl Keyboard {
 
     fn of(terminal: OwnedFd, tells_releases: bool) -> Self {
         let held = Held { tells_releases, ..Held::default() };
-        Self { held, struck: false, reader: Arc::default(), terminal }
+        Self { held, held_for: PressFor::Follow, struck: false, reader: Arc::default(), terminal }
     }
 
     /// The next thing that the operator did since the last call; `None` when there is nothing left.
@@ -234,7 +253,12 @@ impl Keyboard {
         Ok(())
     }
 
-    /// Whether the space bar is held.
+    /// What the key that is held, or was held last, is for.
+    pub(in crate::cli) const fn held_for(&self) -> PressFor {
+        self.held_for
+    }
+
+    /// Whether the space bar, or g, is held.
     pub(in crate::cli) fn is_held(&self, now: Instant) -> bool {
         self.held.is_held(now)
     }
@@ -246,17 +270,26 @@ impl Keyboard {
 
     fn key(&mut self, event: KeyEvent, now: Instant) -> Option<Key> {
         let control = event.modifiers.contains(KeyModifiers::CONTROL);
+        let hold = match event.code {
+            KeyCode::Char(' ') => Some(PressFor::Follow),
+            KeyCode::Char('g') => Some(PressFor::Home),
+            _ => None,
+        };
         let key = match (event.code, event.kind) {
-            (KeyCode::Char(' '), KeyEventKind::Release) => {
-                self.held.let_go();
+            (_, KeyEventKind::Release) => {
+                if hold == Some(self.held_for) {
+                    self.held.let_go();
+                }
                 return None;
             }
-            (_, KeyEventKind::Release) => return None,
-            (KeyCode::Char(' '), _) => {
-                self.held.strike(now);
-                self.struck = true;
+            _ if hold.is_some_and(|hold| hold == self.held_for || !self.held.is_held(now)) => {
+                self.strike(hold.unwrap_or_default(), now);
                 return None;
             }
+            // one key while the other is held is a fright, like any other
+            _ if hold.is_some() => Key::Stop,
+            (KeyCode::Char('-'), _) if !self.held.is_held(now) => Key::Finer,
+            (KeyCode::Char('+'), _) if !self.held.is_held(now) => Key::Coarser,
             (KeyCode::Char('c' | 'q'), _) if control => Key::Quit,
             (KeyCode::Char('q'), _) => Key::Quit,
             (KeyCode::Char('r'), _) => Key::Reset,
@@ -266,6 +299,15 @@ impl Keyboard {
         };
         self.held.let_go();
         Some(key)
+    }
+
+    fn strike(&mut self, press_for: PressFor, now: Instant) {
+        if self.held_for != press_for {
+            self.held.let_go();
+            self.held_for = press_for;
+        }
+        self.held.strike(now);
+        self.struck = true;
     }
 }
 
@@ -401,6 +443,52 @@ mod tests {
             assert_eq!(keyboard.key(press(code), now), Some(key));
             assert!(!keyboard.is_held(now), "{code:?}");
         }
+    }
+
+    #[test]
+    fn g_is_held_for_the_way_home_and_the_bar_beside_it_stops() {
+        let (bar, g) = (KeyCode::Char(' '), KeyCode::Char('g'));
+        let now = Instant::now();
+        let mut keyboard = keyboard(true);
+        assert_eq!(keyboard.key(press(g), now), None);
+        assert!(keyboard.is_held(now) && keyboard.held_for() == PressFor::Home);
+        let release = |code| KeyEvent::new_with_kind(code, KeyModifiers::NONE, KeyEventKind::Release);
+        assert_eq!(keyboard.key(release(bar), now), None);
+        assert!(keyboard.is_held(now), "the release of a key that is not the one");
+        assert_eq!(keyboard.key(press(bar), now), Some(Key::Stop));
+        assert!(!keyboard.is_held(now));
+        assert_eq!(keyboard.key(press(bar), now), None);
+        assert!(keyboard.is_held(now) && keyboard.held_for() == PressFor::Follow);
+        assert_eq!(keyboard.key(release(bar), now), None);
+        assert!(!keyboard.is_held(now));
+        // a tap of each in turn is no repeat of either
+        let mut taps = self::keyboard(false);
+        for (tap, code) in [g, bar, g, bar].into_iter().enumerate() {
+            let at = now + tap as u32 * 100 * MS;
+            assert_eq!(taps.key(press(code), at), None);
+            assert!(!taps.is_held(at), "{tap}");
+        }
+    }
+
+    #[test]
+    fn the_scale_is_stepped_while_nothing_is_held() {
+        let now = Instant::now();
+        let mut keyboard = keyboard(true);
+        assert_eq!(keyboard.key(press(KeyCode::Char('-')), now), Some(Key::Finer));
+        assert_eq!(keyboard.key(press(KeyCode::Char('+')), now), Some(Key::Coarser));
+        let _ = keyboard.key(press(KeyCode::Char(' ')), now);
+        assert_eq!(keyboard.key(press(KeyCode::Char('-')), now), Some(Key::Stop), "held: any other key");
+        let mut scale = ScaleShare::FULL;
+        let finer: Vec<u8> = std::iter::repeat_with(|| {
+            scale = next_scale(scale, Key::Finer);
+            scale.percent()
+        })
+        .take(6)
+        .collect();
+        assert_eq!(finer, [50, 25, 10, 5, 2, 2]);
+        let odd = ScaleShare::from_percent(30).unwrap();
+        assert_eq!(next_scale(odd, Key::Coarser).percent(), 50);
+        assert_eq!(next_scale(ScaleShare::FULL, Key::Coarser), ScaleShare::FULL);
     }
 
     #[test]

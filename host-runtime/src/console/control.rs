@@ -10,12 +10,16 @@
 //! A press has a number, larger than that of the press before. It ends with a release, a stop, a reset, the
 //! socket, or a silence of [`HICCUP_US`], and does not come back: the operator lets go and presses anew. A
 //! shorter silence is a release while it lasts. Nor does a press count that was begun before its tab was
-//! given control: the first that is heard of the button then has to be that it is let go.
+//! given control: the first that is heard of the button then has to be that it is let go. A press is for one
+//! thing, following the hand or going home: one that goes on for the other has ended.
+//!
+//! The scale is changed while the button is let go, by the tab in control, and stays for whoever drives next.
 //!
 //! A stop is for everybody, whoever is in control, and latches until the tab in control resets.
 
 use crate::station::operator::Buttons;
 use serde::Serialize;
+use tetrad_core::wire::{PressFor, ScaleShare};
 
 /// A press counts for so long after it was last told, microseconds: two of the page's messages.
 pub const FRESH_US: u64 = 60_000;
@@ -52,6 +56,12 @@ pub enum Refusal {
     /// The press has ended before.
     #[error("this press has ended: let go and press again")]
     Ended,
+    /// The button is held.
+    #[error("the button is held: let go, then change the scale")]
+    Held,
+    /// The slave's scale is the most.
+    #[error("the scale is a share of the slave's own, in percent: 1 to 100")]
+    NoScale,
     /// The page acts on what it has heard too long ago.
     #[error("the page shows what was too long ago: wait until it follows, let go and press again")]
     Late,
@@ -75,6 +85,8 @@ pub struct ControlView {
     /// When a press was last told in a way that counts, by the operator's clock, also where it has ended since;
     /// `None`: none ever was.
     pub held_us: Option<u64>,
+    /// Percent of the slave's scale that the next press follows by.
+    pub scale_percent: u8,
 }
 
 /// The tab that drives.
@@ -94,6 +106,7 @@ struct Holder {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Press {
     number: u64,
+    press_for: PressFor,
     told_us: u64,
 }
 
@@ -106,6 +119,9 @@ pub struct Control {
     held_us: Option<u64>,
     stop: bool,
     resets: u32,
+    scale: ScaleShare,
+    /// What the last press was for: it stays until the next one, so that a release ends what it began.
+    press_for: PressFor,
 }
 
 impl Control {
@@ -113,7 +129,15 @@ impl Control {
     /// can be done from here.
     #[must_use]
     pub const fn new(drives: bool) -> Self {
-        Self { drives, holder: None, held_us: None, stop: false, resets: 0 }
+        Self {
+            drives,
+            holder: None,
+            held_us: None,
+            stop: false,
+            resets: 0,
+            scale: ScaleShare::FULL,
+            press_for: PressFor::Follow,
+        }
     }
 
     /// Gives a tab control, if nobody else has it; `name` is what the others are told.
@@ -148,18 +172,26 @@ impl Control {
         }
     }
 
-    /// The button is held, since the press of that number; the page had heard from us at `shown_us`.
+    /// The button is held for that, since the press of that number; the page had heard from us at `shown_us`.
     ///
     /// # Errors
     /// Why it does not count; the arm does not move then.
-    pub fn hold(&mut self, tab: Tab, number: u64, shown_us: u64, now_us: u64) -> Result<(), Refusal> {
+    pub fn hold(
+        &mut self,
+        tab: Tab,
+        number: u64,
+        press_for: PressFor,
+        shown_us: u64,
+        now_us: u64,
+    ) -> Result<(), Refusal> {
         let stop = self.stop;
         let holder = self.holder_mut(tab, now_us).ok_or(Refusal::NotInControl)?;
         holder.heard_us = now_us;
-        if holder
-            .press
-            .is_some_and(|press| press.number != number || now_us.saturating_sub(press.told_us) > HICCUP_US)
-        {
+        let ended = |press: Press| {
+            let another = (press.number, press.press_for) != (number, press_for);
+            another || now_us.saturating_sub(press.told_us) > HICCUP_US
+        };
+        if holder.press.is_some_and(ended) {
             holder.end_press();
         }
         if stop {
@@ -176,7 +208,8 @@ impl Control {
             }
             return Err(Refusal::Late);
         }
-        holder.press = Some(Press { number, told_us: now_us });
+        holder.press = Some(Press { number, press_for, told_us: now_us });
+        self.press_for = press_for;
         self.held_us = Some(now_us);
         Ok(())
     }
@@ -188,6 +221,25 @@ impl Control {
             holder.let_go = true;
             holder.end_press();
         }
+    }
+
+    /// Sets the share of the slave's scale that the next press follows by.
+    ///
+    /// # Errors
+    /// [`Refusal::NoScale`], [`Refusal::ButtonsElsewhere`], [`Refusal::NotInControl`], [`Refusal::Held`]; the
+    /// scale stays.
+    pub fn set_scale(&mut self, tab: Tab, percent: u8, now_us: u64) -> Result<(), Refusal> {
+        let scale = ScaleShare::from_percent(percent).ok_or(Refusal::NoScale)?;
+        if !self.drives {
+            return Err(Refusal::ButtonsElsewhere);
+        }
+        let holder = self.holder_mut(tab, now_us).ok_or(Refusal::NotInControl)?;
+        holder.heard_us = now_us;
+        if self.is_pressed(now_us) {
+            return Err(Refusal::Held);
+        }
+        self.scale = scale;
+        Ok(())
     }
 
     /// Stop: by anybody.
@@ -228,7 +280,13 @@ impl Control {
     /// What the arm is told now.
     #[must_use]
     pub fn buttons(&self, now_us: u64) -> Buttons {
-        Buttons { pressed: self.is_pressed(now_us), stop: self.stop, resets: self.resets }
+        Buttons {
+            pressed: self.is_pressed(now_us),
+            stop: self.stop,
+            resets: self.resets,
+            press_for: self.press_for,
+            scale: self.scale,
+        }
     }
 
     /// What a page is told of it; `tab` reads it.
@@ -245,6 +303,7 @@ impl Control {
                 .and_then(|holder| holder.press)
                 .map(|press| now_us.saturating_sub(press.told_us)),
             held_us: self.held_us,
+            scale_percent: self.scale.percent(),
         }
     }
 

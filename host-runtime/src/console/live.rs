@@ -4,7 +4,7 @@
 //! socket is closed after [`STALLED`].
 
 use super::app::State;
-use super::control::ControlView;
+use super::control::{Control, ControlView};
 use super::desk::{Desk, Seat};
 use super::snapshot::Snapshot;
 use axum::extract::State as Of;
@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
+use tetrad_core::wire::PressFor;
 use tokio::sync::{OwnedSemaphorePermit, mpsc};
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
@@ -46,10 +47,17 @@ enum Said {
     },
     /// It does not want to drive any more.
     Give,
-    /// The button is held since the press of that number; the newest snapshot it had was of `shown_us`.
+    /// The button is held since the press of that number, for the way home where it says so; the newest
+    /// snapshot it had was of `shown_us`.
     Hold {
         press: u64,
+        #[serde(default)]
+        home: bool,
         shown_us: u64,
+    },
+    /// The share of the slave's scale that the next press shall follow by.
+    Scale {
+        percent: u8,
     },
     /// The button is let go.
     Release,
@@ -155,8 +163,13 @@ fn hear(desk: &Desk, seat: &Seat, message: &str) -> Option<Utf8Bytes> {
             desk.with_control(|control, _| control.leave(tab));
             return None;
         }
-        Said::Hold { press, shown_us } => {
-            ("hold", desk.with_control(|control, now_us| control.hold(tab, press, shown_us, now_us)))
+        Said::Hold { press, home, shown_us } => {
+            let press_for = if home { PressFor::Home } else { PressFor::Follow };
+            let hold = |control: &mut Control, now_us| control.hold(tab, press, press_for, shown_us, now_us);
+            ("hold", desk.with_control(hold))
+        }
+        Said::Scale { percent } => {
+            ("scale", desk.with_control(|control, now_us| control.set_scale(tab, percent, now_us)))
         }
         Said::Release => {
             desk.with_control(|control, now_us| control.release(tab, now_us));

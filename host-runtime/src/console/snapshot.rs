@@ -7,6 +7,7 @@ use crate::station::delays::{Delays, Stage};
 use crate::station::operator::OperatorStep;
 use crate::station::{SlaveAnnouncement, arm_words};
 use serde::Serialize;
+use tetrad_core::arm::teleop::{Note, Notes};
 use tetrad_core::geometry::Pose;
 use tetrad_core::observation::{Ball, ObservationState, Observations};
 use tetrad_core::vision::search::Region;
@@ -120,6 +121,10 @@ pub struct ArmView {
     pub tool_mm: [f32; 3],
     /// And how it is turned, row by row.
     pub tool_rotation: [f32; 9],
+    /// Metres of the tool for one of the hand: of the press that is on, or of the next.
+    pub scale: f32,
+    /// Whether it goes home, or is there, and the button is still held for that.
+    pub goes_home: bool,
     /// How fast the tool is asked to be, of what its speed limit allows, 0 to 1.
     pub speed_share: f32,
     /// How old the newest motion was by the slave's clock, microseconds.
@@ -135,7 +140,7 @@ pub struct SlaveView {
     pub port: String,
     /// Whether somebody could be hurt by it.
     pub moves_an_arm: bool,
-    /// Metres of the tool for one of the hand.
+    /// Metres of the tool for one of the hand, at the most.
     pub scale: f64,
     /// Radians of the tool for one of the hand; `None`: it keeps its orientation.
     pub turn_scale: Option<f64>,
@@ -304,6 +309,8 @@ impl ArmView {
             set_point_deg: degrees(packet.set_point),
             tool_mm: packet.tool.translation.map(|m| m * 1e3),
             tool_rotation: packet.tool.rotation,
+            scale: packet.scale,
+            goes_home: Notes::from_bits(packet.notes).contains(Note::GoesHome),
             speed_share: packet.speed_share,
             command_age_us: packet.command_age_us(),
             button_age_us: packet.buttons_age_us,
@@ -359,7 +366,7 @@ impl DelayView {
 /// Whether the arm follows the hand.
 #[must_use]
 pub const fn is_engaged(packet: &ArmStatePacket) -> bool {
-    matches!(packet.state, ArmState::Engaged)
+    matches!(packet.state, ArmState::Engaged) && !Notes::from_bits(packet.notes).contains(Note::GoesHome)
 }
 
 #[cfg(test)]

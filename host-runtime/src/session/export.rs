@@ -137,10 +137,11 @@ impl Export {
             }
             Topic::Buttons => {
                 let buttons: msg::Buttons = reader.decode(entry)?;
-                let csv = made(&mut self.buttons, &self.dir, "buttons.csv", "t,pressed,stop,resets")?;
+                let columns = "t,pressed,stop,resets,home,scale_percent";
+                let csv = made(&mut self.buttons, &self.dir, "buttons.csv", columns)?;
                 csv.row(|row| {
                     row.time(t_s).field(u8::from(buttons.pressed)).field(u8::from(buttons.stop));
-                    row.field(buttons.resets);
+                    row.field(buttons.resets).field(u8::from(buttons.home)).field(buttons.scale_percent);
                 })?;
             }
             Topic::Arm => self.arm(t_s, &reader.decode(entry)?)?,

@@ -20,7 +20,7 @@ use tetrad_core::arm::governor::Limits;
 use tetrad_core::geometry::Pose;
 use tetrad_core::hand::affine::Arms;
 use tetrad_core::vision::frame::FrameView;
-use tetrad_core::wire::{ArmStatePacket, ObservationPacket};
+use tetrad_core::wire::{ArmStatePacket, ObservationPacket, PressFor};
 
 /// The frame of the robot's base, and that of its tool.
 const BASE: &str = "base";
@@ -107,8 +107,9 @@ impl StationTape {
         if self.buttons.replace(buttons) == Some(buttons) {
             return;
         }
-        let Buttons { pressed, stop, resets } = buttons;
-        let message = msg::Buttons { time_us: now_us, pressed, stop, resets };
+        let Buttons { pressed, stop, resets, press_for, scale } = buttons;
+        let (home, scale_percent) = (press_for == PressFor::Home, scale.percent().into());
+        let message = msg::Buttons { time_us: now_us, pressed, stop, resets, home, scale_percent };
         self.tape.feed().message(Topic::Buttons, now_us, 0, &message);
     }
 
@@ -163,6 +164,7 @@ impl StationTape {
             measured: measured.map_or_else(Vec::new, |joints| joints.to_vec()),
             tool: Some(convert::transform(packet.tool)),
             slowed: arm_words::limits(packet),
+            scale: packet.scale,
         };
         feed.message(Topic::Arm, t_us, packet.sequence, &message);
         let stamp = feed.timestamp(t_us);

@@ -35,6 +35,7 @@ pub fn standing(packet: &ArmStatePacket) -> String {
         ArmReason::Engage => ArmedReason::Engage.to_string(),
         ArmReason::LetGo => "let go of hold-to-run and press again".to_owned(),
         ArmReason::NewSender => ArmedReason::NewSender.to_string(),
+        ArmReason::PressChanged => ArmedReason::PressChanged.to_string(),
     };
     let controller = match packet.state {
         ArmState::Stopped | ArmState::Fault => controller_words(packet.controller),

@@ -1,11 +1,11 @@
 //! Where the hand asks the tool to be, as far as an operator can know it: for the eyes alone.
 //!
 //! The goal is the slave's own affair (`tetrad_core::arm::teleop`), and no packet tells it. But the slave says
-//! what it latched and when, which motion it has used, and by which scale and axes it follows; with what was
+//! what it latched and when, which motion it has used, by which scale it follows and along which axes; with what was
 //! sent, that is the same law here:
 //!
 //! ```text
-//! goal place    = start + scale C (hand now - hand at latch)
+//! goal place    = start + scale C (hand now - hand at latch)       scale: as the slave says it is now
 //! goal rotation = C (R now  R at latch^T) C^T  start            C = robot_from_hand
 //! ```
 //!
@@ -25,7 +25,6 @@ const REMEMBERED: usize = 120;
 /// By what the slave follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Law {
-    scale: f64,
     /// `None`: the tool keeps its orientation.
     turn_scale: Option<f64>,
     robot_from_hand: Matrix3<f64>,
@@ -38,6 +37,8 @@ struct Latch {
     tool: Pose<f64>,
     /// What the slave was asked by the motion that it used last.
     last: Pose<f64>,
+    /// Metres of the tool for one of the hand.
+    scale: f64,
 }
 
 /// Where the hand asks the tool to be, worked out again from what the slave announces and says; for the eyes
@@ -53,7 +54,6 @@ impl Asked {
     /// What a slave says of itself; one that does not say how it follows has no goal here.
     pub fn announced(&mut self, slave: &SlaveAnnouncement) {
         let law = |rows: [f64; 9]| Law {
-            scale: slave.scale,
             turn_scale: slave.turn_scale,
             robot_from_hand: Matrix3::from_row_slice(&rows),
         };
@@ -71,18 +71,20 @@ impl Asked {
 
     /// What the slave says of the arm.
     pub fn heard(&mut self, state: &ArmStatePacket) {
-        let Some(law) = self.law.filter(|_| state.state == ArmState::Engaged) else {
+        let notes = Notes::from_bits(state.notes);
+        // on its way home the arm is asked nothing by the hand
+        let follows = state.state == ArmState::Engaged && !notes.contains(Note::GoesHome);
+        let Some(law) = self.law.filter(|_| follows) else {
             self.latch = None;
             return;
         };
-        let notes = Notes::from_bits(state.notes);
         let noted = |asked: &[Note]| notes.iter().any(|note| asked.contains(&note));
         let used = state.command.map(|command| command.sequence);
         let Some(hand) = used.and_then(|used| self.hand_of(used)) else { return };
         let kept = self.latch.filter(|_| !noted(&[Note::Latched, Note::HandJumped]));
         let mut latch = kept.unwrap_or_else(|| {
             let tool = in_full(Pose::from(state.tool));
-            Latch { hand, tool, last: tool }
+            Latch { hand, tool, last: tool, scale: f64::from(state.scale) }
         });
         // what slipped does not count, and the rest goes on from there
         if noted(&[Note::WorkspaceEdge, Note::AheadOfArm]) {
@@ -117,7 +119,7 @@ impl Law {
         let scale = self.turn_scale.unwrap_or(0.0);
         let turn = Rotation3::new(turn.scaled_axis() * scale);
         Pose {
-            translation: latch.tool.translation + c * moved * self.scale,
+            translation: latch.tool.translation + c * moved * latch.scale,
             rotation: c * turn.matrix() * c.transpose() * latch.tool.rotation,
         }
     }
@@ -138,7 +140,6 @@ mod tests {
     /// Twice as far, half as much turned, and the hand's x is the robot's y.
     fn asked() -> Asked {
         let mut config = SlaveConfig::default();
-        config.teleop.scale = 2.0;
         config.teleop.turning = Turning::Scaled(0.5);
         config.teleop.robot_from_hand = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
         let address: RobotAddress = "sim:".parse().unwrap();
@@ -166,7 +167,8 @@ mod tests {
         };
         let notes = notes.iter().fold(0, |bits, note| bits | 1 << *note as u8);
         let tool = Transform { translation: [0.5, 0.0, 0.7], ..Transform::IDENTITY };
-        ArmStatePacket { command: Some(echo), notes, tool, ..packets::arm_state(state, ArmReason::None) }
+        let told = packets::arm_state(state, ArmReason::None);
+        ArmStatePacket { command: Some(echo), notes, tool, scale: 2.0, ..told }
     }
 
     fn near(goal: Option<Pose<f64>>, place: [f64; 3], turned: f64) {
@@ -190,6 +192,8 @@ mod tests {
         near(asked.goal(), [0.5, 0.06, 0.7], 0.2);
         asked.heard(&state(ArmState::Hold, 8, &[]));
         assert_eq!(asked.goal(), None);
+        asked.heard(&state(ArmState::Engaged, 8, &[Note::GoesHome]));
+        assert_eq!(asked.goal(), None, "the hand does not lead it home");
     }
 
     #[test]

@@ -241,6 +241,7 @@ impl<C: Carrier> LinkedSlave<C> {
         let Received { what: buttons, received_us, captured_us } = *received;
         self.hear_session(buttons.session);
         let before = self.buttons.replace((buttons, received_us));
+        self.station.press_is_for(buttons.press_for, buttons.scale);
         self.station.hold_to_run(buttons.pressed, received_us);
         if buttons.stop {
             self.station.stop();

@@ -25,7 +25,9 @@ use tetrad_core::hand::affine::Arms;
 use tetrad_core::hand::filter::PoseFilter;
 use tetrad_core::hand::tracker::HandMode;
 use tetrad_core::hand::view::{CameraModel, HandView};
-use tetrad_core::wire::{ArmStatePacket, ButtonsPacket, EncodeError, MotionPacket, ObservationPacket};
+use tetrad_core::wire::{
+    ArmStatePacket, ButtonsPacket, EncodeError, MotionPacket, ObservationPacket, PressFor, ScaleShare,
+};
 
 /// Buttons are told at least so often, microseconds: five times within the 100 ms after which a slave
 /// holds, so that it takes five losses in a row to make it.
@@ -59,6 +61,10 @@ pub struct Buttons {
     pub stop: bool,
     /// Counts the resets that were asked for, and wraps.
     pub resets: u32,
+    /// What the press is for.
+    pub press_for: PressFor,
+    /// The share of the slave's scale that the next press follows by.
+    pub scale: ScaleShare,
 }
 
 /// What was made of an instant.
@@ -221,10 +227,10 @@ impl Operator {
             return None;
         }
         (self.buttons, self.told_us) = (buttons, Some(now_us));
-        let Buttons { pressed, stop, resets } = buttons;
+        let Buttons { pressed, stop, resets, press_for, scale } = buttons;
         let (session, sequence) = (self.session, self.told);
         self.told = self.told.wrapping_add(1);
-        Some(ButtonsPacket { session, sequence, time_us: now_us, pressed, stop, resets })
+        Some(ButtonsPacket { session, sequence, time_us: now_us, pressed, stop, resets, press_for, scale })
     }
 
     fn views(&self, joined: &Joined) -> Vec<HandView> {

@@ -7,7 +7,7 @@ use tetrad_core::arm::port::{PortError, PortStatus};
 use tetrad_core::arm::slave::{ArmReading, PortOrder, Slave, SlaveStep};
 use tetrad_core::arm::teleop::{Command, CommandRefusal, Counts, ResetRefusal};
 use tetrad_core::config::{SlaveConfig, SlaveConfigError};
-use tetrad_core::wire::MotionPacket;
+use tetrad_core::wire::{MotionPacket, PressFor, ScaleShare};
 
 /// A slave with its arm.
 pub struct SlaveStation {
@@ -103,6 +103,11 @@ impl SlaveStation {
     /// a press.
     pub fn end_sender(&mut self) {
         self.slave.end_sender();
+    }
+
+    /// Takes what the operator's press is for, before the button itself.
+    pub fn press_is_for(&mut self, press_for: PressFor, scale: ScaleShare) {
+        self.slave.press_is_for(press_for, scale);
     }
 
     /// Takes the state of the operator's button; to be told again and again.

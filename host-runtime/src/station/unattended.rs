@@ -29,7 +29,9 @@ impl Unattended {
     pub fn hear(&mut self, state: &ArmStatePacket, now_us: u64) {
         self.heard_us = Some(now_us);
         match (state.state, state.reason) {
-            (ArmState::Armed, ArmReason::LetGo | ArmReason::NewSender) => self.release(now_us),
+            (ArmState::Armed, ArmReason::LetGo | ArmReason::NewSender | ArmReason::PressChanged) => {
+                self.release(now_us)
+            }
             (ArmState::Armed | ArmState::Engaged | ArmState::Hold, _) => self.press(now_us),
             (ArmState::Stopped, ArmReason::Started) => {
                 self.release(now_us);

@@ -4,6 +4,9 @@ use super::browser::{Browser, LONG, SPACE};
 use super::witness::{Witness, is_moving};
 use std::time::{Duration, Instant};
 
+/// So long nothing moves that is not to move.
+pub(crate) const A_WHILE: Duration = Duration::from_millis(500);
+
 /// A press or a reset that came to nothing on a busy computer is made again.
 const AGAIN: Duration = Duration::from_secs(4);
 
@@ -55,6 +58,20 @@ pub(crate) fn reset(browser: &Browser, witness: &Witness) {
 #[track_caller]
 pub(crate) fn sees_stop(witness: &Witness) {
     witness.until("the stop", |live| !is_moving(live));
+}
+
+/// Nothing is held and the arm has stopped, for good: a busy page that was silent for a moment goes on with its press.
+#[track_caller]
+pub(crate) fn stays_stopped(witness: &Witness) {
+    let drives = |live: &serde_json::Value| live["control"]["pressed"] == true || is_moving(live);
+    let began = Instant::now();
+    loop {
+        witness.until("the end of the press", |live| !drives(live));
+        if witness.within(A_WHILE, drives).is_err() {
+            return;
+        }
+        assert!(began.elapsed() < LONG, "the arm goes on");
+    }
 }
 
 /// Has the page write down when an event comes first, before anything else hears of it.

@@ -17,6 +17,7 @@ mod pages;
 mod program;
 mod proxy;
 mod replay;
+mod scale_and_home;
 mod setup;
 mod start;
 mod stops;

@@ -79,7 +79,7 @@ fn a_session_is_scrubbed_exported_and_plotted() {
         browser.script("return document.getElementById('slider').max / 1e6").as_f64().expect("seconds");
 
     // moment by moment, by its keys, its buttons and its slider
-    browser.until("document.getElementById('time').textContent.startsWith('0.000 s (')");
+    browser.until("document.getElementById('time').textContent.startsWith('0.000 s (1 of ')");
     browser.tap("\u{e014}");
     browser.until("!document.getElementById('time').textContent.startsWith('0.000 s')");
     let second_s = shown_s(&browser);

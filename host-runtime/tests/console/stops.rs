@@ -1,20 +1,16 @@
 //! Whatever ends the press stops the arm, in time by the slave's own clock.
 
-use super::browser::{Browser, LONG, SPACE};
-use super::driver::{hold, note, noted_us, sees_stop, take, take_control};
+use super::browser::{Browser, SPACE};
+use super::driver::{A_WHILE, hold, note, noted_us, sees_stop, stays_stopped, take, take_control};
 use super::program::{Ended, Program};
 use super::proxy::Proxy;
 use super::turn;
 use super::witness::{Witness, is_moving};
-use std::time::{Duration, Instant};
 
 /// So often each is tried. A try does not count where the arm stood already: on a busy computer the page is not in time
 /// by itself.
 const TRIES: usize = 3;
 const MOST_TRIES: usize = 12;
-
-/// So long nothing moves that is not to move.
-const A_WHILE: Duration = Duration::from_millis(500);
 
 /// When the last message came that held the button, by the operator's clock.
 #[track_caller]
@@ -59,19 +55,6 @@ fn the_space_bar_is_let_go() {
         browser.key_up(SPACE);
         Some(noted_us(browser, witness))
     });
-}
-
-/// The arm has stopped for good: a busy page that was silent for a moment goes on with its press.
-#[track_caller]
-fn stays_stopped(witness: &Witness) {
-    let began = Instant::now();
-    loop {
-        sees_stop(witness);
-        if witness.within(A_WHILE, is_moving).is_err() {
-            return;
-        }
-        assert!(began.elapsed() < LONG, "the arm goes on");
-    }
 }
 
 /// Goes to another tab and back. The page hears that it has lost the focus and that it is hidden; only one of the

@@ -4,10 +4,9 @@ use super::Governor;
 use super::axis::Axis;
 use super::detour::{Around, Detour};
 use super::limits::{JointNumber, Limit, Limits};
-use super::pace::Stance;
+use super::pace::{Led, Stance};
 use super::way::{Kind, Situation, Way};
 use crate::arm::puma560::{Jacobian, Joints};
-use crate::arm::teleop::Uncertainty;
 use crate::config::AllowedPassages;
 use crate::geometry::Pose;
 use crate::real::Real;
@@ -28,12 +27,7 @@ const AS_STARTED_RAD: f64 = 0.5;
 
 impl<T: Real> Governor<T> {
     /// One cycle towards a goal within reach; how fast the tool is asked to be.
-    pub(super) fn follow(
-        &mut self,
-        goal: &Pose<T>,
-        uncertainty: Option<&Uncertainty<T>>,
-        limits: &mut Limits,
-    ) -> T {
+    pub(super) fn follow(&mut self, goal: &Pose<T>, led: Led<'_, T>, limits: &mut Limits) -> T {
         for number in self.ways.arm.outside(&self.set_point()).numbers() {
             limits.add(Limit::OutsideRange(number as JointNumber));
         }
@@ -78,7 +72,7 @@ impl<T: Real> Governor<T> {
             edges: &self.edges,
             passages: self.passages(),
         };
-        let paced = self.pace.along(&way, &stance, uncertainty, limits);
+        let paced = self.pace.along(&way, &stance, led, limits);
         self.watch(&way, paced.share);
         let forbidden = self.turn_to(&paced.speeds);
         forbidden.iter().for_each(|limit| limits.add(*limit));

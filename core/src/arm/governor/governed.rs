@@ -39,6 +39,8 @@ pub struct Governed<T> {
     pub change: Option<Change>,
     /// Every joint is told to be where it was told to be before.
     pub at_rest: bool,
+    /// And the tool is home.
+    pub at_home: bool,
 }
 
 /// Why the arm is not moved from where it is.

@@ -72,8 +72,8 @@ use crate::real::Real;
 use axis::{Axis, Bounds, Span};
 use detour::Detour;
 use fence::Fence;
-use goal::Bounded;
-use pace::Pace;
+use goal::{Bounded, Left};
+use pace::{Led, Pace};
 use rest::Rest;
 use way::Ways;
 
@@ -82,6 +82,10 @@ mod tests;
 
 /// The most of what is left of a way that goes in one cycle.
 const MOST_A_CYCLE: f64 = 0.2;
+
+/// So near an arm that rests is home, metres and radians.
+const AT_HOME_M: f64 = 0.0005;
+const AT_HOME_RAD: f64 = 0.002;
 
 /// The governor of one arm, in f32 or f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,6 +102,8 @@ pub struct Governor<T> {
     axes: [Axis<T>; JOINTS],
     recent: Recent<T>,
     pose: Pose<T>,
+    /// Where the tool is home; `None` before the first start, where no setting says.
+    home: Option<Pose<T>>,
     /// The posture that is kept. What passed a singularity by a little because it could not stop in
     /// time comes back to it.
     posture: Configuration,
@@ -142,6 +148,7 @@ impl<T: Real> Governor<T> {
         let ranges = joints.map(|joint| Span { min: T::of(joint.min_rad), max: T::of(joint.max_rad) });
         let middle = ranges.map(|range| (range.min + range.max) * T::of(0.5));
         let edges = Bounded::new(arm, &config.workspace);
+        let home = config.home_rad.map(|joints| home(arm, &edges, &joints)).transpose()?;
         let mut fence = Fence::new(arm, &edges, T::of(config.max_tool_speed_m_s * seconds));
         fence.start(&arm.forward(&middle).translation);
         Ok(Self {
@@ -156,6 +163,7 @@ impl<T: Real> Governor<T> {
             axes: middle.map(Axis::at),
             recent: Recent::at_rest(arm, &middle),
             pose: arm.forward(&middle),
+            home,
             posture: arm.configuration(&middle),
             first_posture: arm.configuration(&middle),
             first_joints: middle,
@@ -186,6 +194,13 @@ impl<T: Real> Governor<T> {
         &self.pose
     }
 
+    /// Where the tool is home: `base_from_tool`; `None` where that is where the arm is first started, and it
+    /// was not yet.
+    #[must_use]
+    pub const fn home(&self) -> Option<&Pose<T>> {
+        self.home.as_ref()
+    }
+
     /// Begins at rest where the arm is. Joints that are a little outside their range may then come
     /// back and not go farther out.
     ///
@@ -212,6 +227,7 @@ impl<T: Real> Governor<T> {
         self.axes = joints.map(Axis::at);
         self.recent = Recent::at_rest(&self.ways.arm, joints);
         self.pose = self.ways.arm.forward(joints);
+        self.home = self.home.or(Some(self.pose));
         self.fence.start(&self.pose.translation);
         self.posture = self.recent.configuration();
         self.first_posture = self.posture;
@@ -231,15 +247,20 @@ impl<T: Real> Governor<T> {
     pub fn step(&mut self, order: &Order<T>, uncertainty: Option<&Uncertainty<T>>) -> Governed<T> {
         let mut limits = Limits::NONE;
         let before = self.axes;
-        let (verdict, speed_share) = match order {
-            Order::Stop => {
+        let wished = match order {
+            Order::Stop => None,
+            Order::Follow(goal) => Some((*goal, Led::ByHand(uncertainty))),
+            Order::Home => self.home.map(|home| (home, Led::Home)),
+        };
+        let (verdict, speed_share) = match wished {
+            None => {
                 self.stop();
                 self.rest.end();
                 (Verdict::Pass, T::zero())
             }
-            Order::Follow(goal) => match self.edges.admit(goal, &mut limits) {
+            Some((goal, led)) => match self.edges.admit(&goal, &mut limits) {
                 Ok(goal) => {
-                    let share = self.follow(&goal, uncertainty, &mut limits);
+                    let share = self.follow(&goal, led, &mut limits);
                     (if limits.is_empty() { Verdict::Pass } else { Verdict::Clamp }, share)
                 }
                 Err(limit) => {
@@ -251,10 +272,11 @@ impl<T: Real> Governor<T> {
         };
         let at_rest = self.axes.iter().zip(&before).all(|(now, before)| now.angle == before.angle)
             && self.axes.iter().all(Axis::is_at_rest);
-        if !at_rest && *order == Order::Stop {
+        if !at_rest && wished.is_none() {
             limits.add(Limit::Stopping);
         }
         let change = self.arrive();
+        let at_home = at_rest && self.home.is_some_and(|home| is_home(&home, &self.pose));
         Governed {
             set_point: self.set_point(),
             pose: self.pose,
@@ -263,6 +285,32 @@ impl<T: Real> Governor<T> {
             speed_share,
             change,
             at_rest,
+            at_home,
         }
     }
+}
+
+/// Whether the tool is home, but for what the last joints of an arm in f32 make of it.
+fn is_home<T: Real>(home: &Pose<T>, pose: &Pose<T>) -> bool {
+    let left = Left::between(pose, home);
+    left.place.norm() <= T::of(AT_HOME_M) && left.turn.norm() <= T::of(AT_HOME_RAD)
+}
+
+/// Where the tool is with the joints at home.
+fn home<T: Real>(
+    arm: &Puma560<T>,
+    edges: &Bounded<T>,
+    joints_rad: &[f64; JOINTS],
+) -> Result<Pose<T>, GovernorConfigError> {
+    for (number, (angle, range)) in (1..).zip(joints_rad.iter().zip(&arm.config().joints)) {
+        // NaN is in no range
+        if !(range.min_rad..=range.max_rad).contains(angle) {
+            return Err(GovernorConfigError::Home(number));
+        }
+    }
+    let home = arm.forward(&joints_rad.map(T::of));
+    if edges.depth(&home.translation) < T::zero() {
+        return Err(GovernorConfigError::HomeOutside);
+    }
+    Ok(home)
 }

@@ -62,6 +62,16 @@ pub(super) struct Pace<T> {
     singular_margin: T,
     creep: T,
     uncertainty: SlowedByUncertainty,
+    home_share: T,
+}
+
+/// Who leads the arm to its goal.
+#[derive(Clone, Copy)]
+pub(super) enum Led<'a, T> {
+    /// The hand, known so well; `None` where nobody says.
+    ByHand(Option<&'a Uncertainty<T>>),
+    /// Nobody: it goes home.
+    Home,
 }
 
 /// How the arm stands.
@@ -112,6 +122,7 @@ impl<T: Real> Pace<T> {
             singular_margin: T::of(config.singularity_margin),
             creep: T::of(config.creep_share),
             uncertainty: config.uncertainty,
+            home_share: T::of(config.home_speed_share),
         }
     }
 
@@ -120,13 +131,16 @@ impl<T: Real> Pace<T> {
         &self,
         way: &Way<T>,
         now: &Stance<'_, T>,
-        uncertainty: Option<&Uncertainty<T>>,
+        led: Led<'_, T>,
         limits: &mut Limits,
     ) -> Paced<T> {
         let mut left = way.left;
         self.keep_outside_joints_from_leaving(&mut left, now);
         let tool = tool_speed(now.jacobian, &left);
-        let known = self.known_share(uncertainty, limits);
+        let known = match led {
+            Led::ByHand(uncertainty) => self.known_share(uncertainty, limits),
+            Led::Home => self.home_share,
+        };
         let ideal = per(self.tool_speed, tool).min(self.response);
         let mut share = known;
         let mut factor = self.factor(&left, tool, share, now);

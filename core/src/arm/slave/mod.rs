@@ -25,11 +25,13 @@ use super::governor::{Governed, Governor, StartRefusal};
 use super::port::{JointReading, PortStatus};
 use super::puma560::{Joints, Puma560};
 use super::teleop::{
-    ArmCondition, ArmView, Command, CommandRefusal, Counts, Decision, ResetRefusal, StopReason, Teleop,
+    ArmCondition, ArmView, Command, CommandRefusal, Counts, Decision, Note, Order, ResetRefusal, StopReason,
+    Teleop,
 };
 use crate::config::{SlaveConfig, SlaveConfigError, TeleopMode};
 use crate::geometry::Pose;
 use crate::real::Real;
+use crate::wire::{PressFor, ScaleShare};
 use lead::Lead;
 
 mod lead;
@@ -146,6 +148,11 @@ impl<T: Real> Slave<T> {
         self.teleop.end_sender();
     }
 
+    /// Takes what the operator's press is for ([`Teleop::press_is_for`]).
+    pub fn press_is_for(&mut self, press_for: PressFor, scale: ScaleShare) {
+        self.teleop.press_is_for(press_for, scale);
+    }
+
     /// Takes the state of the operator's button ([`Teleop::hold_to_run`]).
     pub fn hold_to_run(&mut self, pressed: bool, received_us: u64) {
         self.teleop.hold_to_run(pressed, received_us);
@@ -179,11 +186,14 @@ impl<T: Real> Slave<T> {
     /// governor's rate, also while nothing moves.
     pub fn step(&mut self, now_us: u64, reading: &ArmReading<T>) -> SlaveStep<T> {
         let view = self.view(now_us, reading);
-        let decision = self.teleop.step(now_us, &view);
+        let mut decision = self.teleop.step(now_us, &view);
         let measured = reading.joints.map(|_| view.measured);
         let order = self.lead.ahead(&decision, self.capture_us, self.standing(&decision));
         let governed = self.set_point.map(|_| self.governor.step(&order, decision.uncertainty.as_ref()));
         self.set_point = governed.map(|governed| governed.pose);
+        if decision.order == Order::Home && governed.is_some_and(|governed| governed.at_home) {
+            decision.notes.add(Note::AtHome);
+        }
         let order = match governed {
             _ if matches!(view.condition, ArmCondition::Astray | ArmCondition::Blind) => PortOrder::Stop,
             Some(governed) => PortOrder::Write(governed.set_point),

@@ -60,6 +60,7 @@ impl<T: Real> SlaveStep<T> {
             command: stamp.command,
             settled: stamp.settled,
             buttons_age_us: stamp.buttons_age_us,
+            scale: single(self.decision.scale),
         }
     }
 }
@@ -128,6 +129,7 @@ const fn reason(status: Status) -> ArmReason {
         Status::Armed(ArmedReason::Engage) => ArmReason::Engage,
         Status::Armed(ArmedReason::LetGo(_)) => ArmReason::LetGo,
         Status::Armed(ArmedReason::NewSender) => ArmReason::NewSender,
+        Status::Armed(ArmedReason::PressChanged) => ArmReason::PressChanged,
     }
 }
 

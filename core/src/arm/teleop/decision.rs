@@ -79,16 +79,18 @@ fn check_pose<T: Real>(pose: &Pose<T>) -> Result<(), BadCommand> {
 pub enum Order<T> {
     /// Go to this pose of the tool in the robot's base.
     Follow(Pose<T>),
+    /// Go home, slowly, by whatever way there is ([`crate::config::GovernorConfig::home_rad`]).
+    Home,
     /// Come to rest, within the limits of speed, acceleration and jerk, and stay.
     Stop,
 }
 
 impl<T> Order<T> {
-    /// Where to go; `None` to stop.
+    /// Where to go; `None` to stop, and home, which the limits know.
     pub const fn goal(&self) -> Option<&Pose<T>> {
         match self {
             Self::Follow(goal) => Some(goal),
-            Self::Stop => None,
+            Self::Home | Self::Stop => None,
         }
     }
 }
@@ -113,6 +115,8 @@ pub struct Decision<T> {
     pub notes: Notes,
     /// How well the goal is known; `None` while stopped, and where the sender does not say.
     pub uncertainty: Option<Uncertainty<T>>,
+    /// Metres of the tool for one of the hand: of the press that is on, or of the next.
+    pub scale: T,
     /// How old the newest command is on this receiver's clock, microseconds; `None` before the first.
     pub command_age_us: Option<u64>,
 }

@@ -1,7 +1,7 @@
 //! From the hand to the goal.
 //!
 //! ```text
-//! goal place     = start + scale C (hand now - hand at latch)
+//! goal place     = start + scale C (hand now - hand at latch)       scale: as it was at the press
 //! goal rotation  = C (R now  R at latch^T) C^T  start            C = robot_from_hand
 //! ```
 //!
@@ -21,6 +21,7 @@ use crate::geometry::Pose;
 use crate::hand::so3;
 use crate::hand::state::PoseCovariance;
 use crate::real::Real;
+use crate::wire::ScaleShare;
 use nalgebra::{Matrix3, Vector3};
 
 /// With a scale on turns, the latch moves along beyond this angle, radians: towards half a turn the
@@ -51,12 +52,14 @@ pub(super) struct Follow<T> {
     /// Where the hand was last followed to, and the goal then.
     last: Pose<T>,
     goal: Pose<T>,
+    /// Metres of the tool for one of the hand.
+    scale: T,
 }
 
 impl<T: Real> Follow<T> {
-    /// The hand at `hand` leaves the goal at `start`.
-    pub(super) const fn latched(hand: Pose<T>, start: Pose<T>) -> Self {
-        Self { hand, start, last: hand, goal: start }
+    /// The hand at `hand` leaves the goal at `start`, and moves it by this scale from there.
+    pub(super) const fn latched(hand: Pose<T>, start: Pose<T>, scale: T) -> Self {
+        Self { hand, start, last: hand, goal: start, scale }
     }
 
     pub(super) const fn goal(&self) -> &Pose<T> {
@@ -92,11 +95,21 @@ impl<T: Real> Law<T> {
         }
     }
 
-    /// How well the goal is known where the hand is known so well.
-    pub(super) fn uncertainty(&self, p: &PoseCovariance) -> Uncertainty<T> {
+    /// Metres of the tool for one of the hand, by this share of the most.
+    pub(super) fn scale(&self, share: ScaleShare) -> T {
+        // all of it is that, to the bit
+        if share == ScaleShare::FULL {
+            self.scale
+        } else {
+            self.scale * T::of(f64::from(share.percent()) * 0.01)
+        }
+    }
+
+    /// How well the goal is known where the hand is known so well, and followed by this scale.
+    pub(super) fn uncertainty(&self, p: &PoseCovariance, scale: T) -> Uncertainty<T> {
         let deviation = |variance: f32| T::of(f64::from(libm::sqrtf(variance.max(0.0))));
         Uncertainty {
-            place_m: deviation(p.m11 + p.m22 + p.m33) * self.scale,
+            place_m: deviation(p.m11 + p.m22 + p.m33) * scale,
             turn_rad: deviation(p.m44 + p.m55 + p.m66) * self.turn_scale.unwrap_or_else(T::zero),
         }
     }
@@ -144,13 +157,14 @@ impl<T: Real> Law<T> {
     /// so. The box and the lead hold here too.
     pub(super) fn paper(
         &self,
-        goal: &Pose<T>,
+        follow: &Follow<T>,
         measured: &Pose<T>,
         set_point: &Pose<T>,
         increment: &Pose<T>,
         notes: &mut Notes,
     ) -> Pose<T> {
-        let place = measured.translation + self.robot_from_hand * increment.translation * self.scale;
+        let goal = follow.goal();
+        let place = measured.translation + self.robot_from_hand * increment.translation * follow.scale;
         let rotation = match self.turn_scale {
             None => goal.rotation,
             Some(_) if increment.rotation == Matrix3::identity() => measured.rotation,
@@ -168,7 +182,7 @@ impl<T: Real> Law<T> {
 
     fn place(&self, follow: &Follow<T>, hand: &Pose<T>) -> Vector3<T> {
         let moved = hand.translation - follow.hand.translation;
-        follow.start.translation + self.robot_from_hand * moved * self.scale
+        follow.start.translation + self.robot_from_hand * moved * follow.scale
     }
 
     fn turned(&self, follow: &mut Follow<T>, hand: &Pose<T>) -> Matrix3<T> {

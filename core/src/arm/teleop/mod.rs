@@ -27,7 +27,7 @@
 //!   is one after a release that was heard. Where the commands carry the button, tell both:
 //!   `take(&command)`, then `hold_to_run(command.engaged, command.received_us)` if it was taken.
 //! - **Latch.** The press latches the hand and the arm's set-point, never what is measured, so an arm
-//!   that sags does not creep from clutch to clutch. From there the goal is a function of where the
+//!   that sags does not creep from clutch to clutch. The scale is that of the press too. From there the goal is a function of where the
 //!   hand is; lost commands lose nothing. The motion between the sender's latch and the first command
 //!   that came counts too, where both are known to be younger than the press and are believed
 //!   ([`BelievedMotion`](crate::config::BelievedMotion)).
@@ -37,6 +37,9 @@
 //!   while unseen is not followed. (Re-latching always, as others do, would lose motion with every
 //!   burst of lost packets; resuming always would throw the arm after a long one.) After `resume_us`
 //!   the operator has to let go and press again.
+//! - **Home.** A press that is for going home ([`PressFor`]) moves the arm there while it is heard, as long as
+//!   a command stands without being heard again; the hand plays no part in it. A press that goes on for
+//!   something else has ended.
 //! - **Stop.** A stop latches. What comes while stopped is looked at only to know old from new; the
 //!   reset forgets it.
 //!
@@ -66,6 +69,7 @@ use crate::config::{TeleopConfig, TeleopConfigError, TeleopMode};
 use crate::geometry::Pose;
 use crate::hand::state::PoseState;
 use crate::real::Real;
+use crate::wire::{PressFor, ScaleShare};
 use hold_to_run::HoldToRun;
 use inbox::{Admitted, Inbox};
 use law::{Follow, Law};
@@ -82,6 +86,9 @@ pub struct Teleop<T> {
     phase: Phase<T>,
     inbox: Inbox,
     button: HoldToRun,
+    /// What the next press is for, and how far the hand leads by it.
+    press_for: PressFor,
+    scale: ScaleShare,
     /// The newest command; `None` before the first and after a reset.
     newest: Option<Newest<T>>,
     /// The latch of the hand that the newest command tells from, if its beginning was heard.
@@ -109,6 +116,9 @@ struct Running<T> {
     followed: Option<Followed<T>>,
     /// When the hand was last followed, or hold-to-run was pressed.
     since_us: u64,
+    press_for: PressFor,
+    /// Metres of the tool for one of the hand.
+    scale: T,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,6 +142,8 @@ impl<T: Real> Teleop<T> {
             phase: Phase::Stopped(StopReason::Started),
             inbox: Inbox::new(),
             button: HoldToRun::unheard(),
+            press_for: PressFor::Follow,
+            scale: ScaleShare::FULL,
             newest: None,
             latch: None,
             measured_us: None,
@@ -223,6 +235,17 @@ impl<T: Real> Teleop<T> {
         }
     }
 
+    /// Takes what a press is for, and the scale that counts from the next press on. To be told before
+    /// [the button](Self::hold_to_run) that it belongs to. A press that is on for something else ends: it
+    /// takes a release and another one.
+    pub fn press_is_for(&mut self, press_for: PressFor, scale: ScaleShare) {
+        let goes_on = self.button.is_pressed() && self.press_for != press_for;
+        if goes_on && matches!(self.phase, Phase::Armed(ArmedReason::Press) | Phase::Running(_)) {
+            self.phase = Phase::Armed(ArmedReason::PressChanged);
+        }
+        (self.press_for, self.scale) = (press_for, scale);
+    }
+
     /// Stops the arm; it takes a reset to move it again. To be called in each step while a stop input
     /// is active.
     pub const fn stop(&mut self) {
@@ -267,7 +290,12 @@ impl<T: Real> Teleop<T> {
         if let Phase::Armed(ArmedReason::Press) = self.phase
             && self.is_pressed()
         {
-            self.phase = Phase::Running(Running { followed: None, since_us: self.now_us });
+            self.phase = Phase::Running(Running {
+                followed: None,
+                since_us: self.now_us,
+                press_for: self.press_for,
+                scale: self.law.scale(self.scale),
+            });
         }
         let mut notes = Notes::default();
         let (order, status) = match self.phase {
@@ -276,26 +304,34 @@ impl<T: Real> Teleop<T> {
             Phase::Armed(reason) => (Order::Stop, Status::Armed(self.wanted(reason))),
             Phase::Running(running) => self.run(running, arm, &mut notes),
         };
+        let scale = match self.phase {
+            Phase::Running(running) => running.scale,
+            _ => self.law.scale(self.scale),
+        };
         let newest = self.newest.as_ref();
         let covariance = newest.filter(|_| order.goal().is_some()).and_then(|newest| newest.covariance);
         Decision {
             order,
             status,
             notes,
-            uncertainty: covariance.map(|p| self.law.uncertainty(&p)),
+            uncertainty: covariance.map(|p| self.law.uncertainty(&p, scale)),
+            scale,
             command_age_us: newest.map(|newest| self.now_us.saturating_sub(newest.received_us)),
         }
     }
 
     fn run(&mut self, running: Running<T>, arm: &ArmView<T>, notes: &mut Notes) -> (Order<T>, Status) {
         let pending = self.pending.take();
-        let followed = self.usable().and_then(|(newest, hand)| {
-            let followed = self.followed(running.followed, &newest, &hand, pending, arm, notes)?;
-            if newest.state == PoseState::Predicted {
-                notes.add(Note::Predicted);
-            }
-            Ok(followed)
-        });
+        let followed = match running.press_for {
+            PressFor::Home => self.may_go_home().map(|()| None),
+            PressFor::Follow => self.usable().and_then(|(newest, hand)| {
+                let followed = self.followed(&running, &newest, &hand, pending, arm, notes)?;
+                if newest.state == PoseState::Predicted {
+                    notes.add(Note::Predicted);
+                }
+                Ok(Some(followed))
+            }),
+        };
         let held_us = self.now_us.saturating_sub(running.since_us);
         if held_us > u64::from(self.config.resume_us) {
             // also where all is well again: nobody has looked for so long
@@ -306,8 +342,12 @@ impl<T: Real> Teleop<T> {
         }
         match followed {
             Ok(followed) => {
-                self.phase = Phase::Running(Running { followed: Some(followed), since_us: self.now_us });
-                (Order::Follow(*followed.follow.goal()), Status::Engaged)
+                self.phase = Phase::Running(Running { followed, since_us: self.now_us, ..running });
+                let order = followed.map_or(Order::Home, |followed| Order::Follow(*followed.follow.goal()));
+                if order == Order::Home {
+                    notes.add(Note::GoesHome);
+                }
+                (order, Status::Engaged)
             }
             Err(reason) => {
                 *notes = Notes::default();
@@ -332,17 +372,23 @@ impl<T: Real> Teleop<T> {
         }
     }
 
+    /// The way home is asked for by the button alone, so the button is what must be as fresh as a command.
+    fn may_go_home(&self) -> Result<(), HoldReason> {
+        let timeout_us = self.config.command_timeout_us.min(self.config.hold_to_run_timeout_us);
+        if self.button.is_fresh(self.now_us, timeout_us) { Ok(()) } else { Err(HoldReason::NoHoldToRun) }
+    }
+
     /// Follows the hand, or latches it where it cannot be followed to.
     fn followed(
         &self,
-        before: Option<Followed<T>>,
+        running: &Running<T>,
         newest: &Newest<T>,
         hand: &Pose<T>,
         pending: Option<Pose<T>>,
         arm: &ArmView<T>,
         notes: &mut Notes,
     ) -> Result<Followed<T>, HoldReason> {
-        let same = before.filter(|before| before.engagements == newest.engagements);
+        let same = running.followed.filter(|before| before.engagements == newest.engagements);
         let believed = same.filter(|before| {
             let gap_us = newest.capture_us.saturating_sub(before.capture_us);
             self.law.believes(before.follow.last(), hand, gap_us)
@@ -352,7 +398,7 @@ impl<T: Real> Teleop<T> {
             None if !newest.state.is_measured() => return Err(HoldReason::HandNotMeasured),
             None => {
                 notes.add(if same.is_some() { Note::HandJumped } else { Note::Latched });
-                Follow::latched(self.latch_of(newest, hand, same.is_some()), arm.set_point)
+                Follow::latched(self.latch_of(newest, hand, same.is_some()), arm.set_point, running.scale)
             }
         };
         match self.config.mode {
@@ -360,7 +406,7 @@ impl<T: Real> Teleop<T> {
             TeleopMode::Paper => {
                 let increment = pending.filter(|_| believed.is_some());
                 let goal = increment.map_or(*follow.goal(), |increment| {
-                    self.law.paper(follow.goal(), &arm.measured, &arm.set_point, &increment, notes)
+                    self.law.paper(&follow, &arm.measured, &arm.set_point, &increment, notes)
                 });
                 follow.step_to(*hand, goal);
             }

@@ -101,6 +101,8 @@ pub enum ArmedReason {
     LetGo(HoldReason),
     /// A release, then a press: the sender of commands has changed.
     NewSender,
+    /// A release, then a press: the press went on for something else.
+    PressChanged,
 }
 
 /// State and reason.
@@ -203,6 +205,9 @@ impl fmt::Display for ArmedReason {
             Self::NewSender => {
                 f.write_str("another operator station has taken over; let go of hold-to-run and press again")
             }
+            Self::PressChanged => f.write_str(
+                "the button is held for something else than before; let go of hold-to-run and press again",
+            ),
         }
     }
 }
@@ -237,17 +242,23 @@ pub enum Note {
     HandJumped = 4,
     /// The hand is not measured but carried on by its past motion.
     Predicted = 5,
+    /// The arm goes home, whatever the hand does.
+    GoesHome = 6,
+    /// The arm is home.
+    AtHome = 7,
 }
 
 impl Note {
     /// Every note, in the order of their numbers.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 8] = [
         Self::WorkspaceEdge,
         Self::AheadOfArm,
         Self::TurnedAheadOfArm,
         Self::Latched,
         Self::HandJumped,
         Self::Predicted,
+        Self::GoesHome,
+        Self::AtHome,
     ];
 
     const fn bit(self) -> u8 {
@@ -266,6 +277,8 @@ impl fmt::Display for Note {
                 "the hand was lost and found somewhere else; the arm follows it from where it is now"
             }
             Self::Predicted => "the hand is carried on by its past motion; show the balls to the cameras",
+            Self::GoesHome => "the arm goes home while the button is held; the hand is not followed",
+            Self::AtHome => "the arm is home; let go",
         })
     }
 }
@@ -305,7 +318,7 @@ impl Notes {
         Note::ALL.into_iter().filter(move |note| self.contains(*note))
     }
 
-    pub(super) const fn add(&mut self, note: Note) {
+    pub(in crate::arm) const fn add(&mut self, note: Note) {
         self.0 |= note.bit();
     }
 }

@@ -30,6 +30,7 @@ pub(super) fn examples() -> [Packet; 2] {
         }),
         settled: Some(Settled { sequence: 5, after_us: 60_000 }),
         buttons_age_us: Some(12_000),
+        scale: 0.5,
     };
     let buttons = ButtonsPacket {
         session: 300,
@@ -38,6 +39,8 @@ pub(super) fn examples() -> [Packet; 2] {
         pressed: true,
         stop: false,
         resets: 1,
+        press_for: PressFor::Home,
+        scale: ScaleShare::from_percent(50).unwrap(),
     };
     [state.into(), buttons.into()]
 }
@@ -82,8 +85,8 @@ fn arm_state_packet() -> impl Strategy<Value = Packet> {
     let command = prop::option::of(any::<(u32, u32, u64, u32, u32)>());
     let progress = (command, any::<Option<(u32, u32)>>());
     let place = (controller(), measured, joints(), pose(3.1, 2.0));
-    (any::<(u32, u32, u64)>(), law, place, progress, any::<Option<u32>>()).prop_map(
-        |((session, sequence, time_us), law, place, (command, settled), buttons_age_us)| {
+    (any::<(u32, u32, u64)>(), law, place, progress, any::<Option<u32>>(), finite()).prop_map(
+        |((session, sequence, time_us), law, place, (command, settled), buttons_age_us, scale)| {
             let (state, reason, verdict, (notes, limits), speed_share) = law;
             let (controller, measured, set_point, tool) = place;
             let measured = measured.map(|(joints, age_us)| MeasuredJoints { joints, age_us });
@@ -112,6 +115,7 @@ fn arm_state_packet() -> impl Strategy<Value = Packet> {
                 command,
                 settled,
                 buttons_age_us,
+                scale,
             }
             .into()
         },
@@ -119,9 +123,11 @@ fn arm_state_packet() -> impl Strategy<Value = Packet> {
 }
 
 fn buttons_packet() -> impl Strategy<Value = Packet> {
-    any::<(u32, u32, u64, bool, bool, u32)>().prop_map(
-        |(session, sequence, time_us, pressed, stop, resets)| {
-            ButtonsPacket { session, sequence, time_us, pressed, stop, resets }.into()
+    let wished = (prop::sample::select(PressFor::ALL.to_vec()), 1..=100_u8);
+    (any::<(u32, u32, u64, bool, bool, u32)>(), wished).prop_map(
+        |((session, sequence, time_us, pressed, stop, resets), (press_for, percent))| {
+            let scale = ScaleShare::from_percent(percent).unwrap();
+            ButtonsPacket { session, sequence, time_us, pressed, stop, resets, press_for, scale }.into()
         },
     )
 }
@@ -171,6 +177,11 @@ fn the_numbers_of_enums_are_pinned() {
         let place = at + 4 + 2 + 4;
         assert_eq!(byte_of(ArmStatePacket { controller, ..packet }, place), number, "{controller:?}");
     }
+    let [_, Packet::Buttons(buttons)] = examples() else { unreachable!() };
+    for (number, press_for) in (0..).zip(PressFor::ALL) {
+        let body = body_of(&ButtonsPacket { press_for, ..buttons }.into());
+        assert_eq!(body[body.len() - 2], number, "{press_for:?}");
+    }
     let [state, buttons] = examples().map(|packet| body_of(&packet));
     assert_eq!((state[1], buttons[1]), (ARM_STATE, BUTTONS));
     assert_eq!((ARM_STATE, BUTTONS), (3, 4));
@@ -201,10 +212,26 @@ fn what_cannot_be_an_arm_is_neither_sent_nor_taken() {
     let mut changed = body.clone();
     changed[share_at..share_at + 4].copy_from_slice(&2.0_f32.to_le_bytes());
     assert_eq!(decode_body(&changed), Err(DecodeError::Value(BadValue::NotAShare)));
+    let mut bad = packet;
+    bad.scale = f32::INFINITY;
+    assert_eq!(refused(bad), EncodeError::Value(BadValue::NotFinite));
     for len in 2..body.len() {
         assert_eq!(decode_body(&body[..len]), Err(DecodeError::MalformedBody), "cut to {len}");
     }
     assert_eq!(decode_body(&[&body[..], &[0]].concat()), Err(DecodeError::TrailingBytes));
+}
+
+#[test]
+fn a_percentage_that_is_none_is_not_taken() {
+    let [_, buttons] = examples();
+    let mut body = body_of(&buttons);
+    let last = body.len() - 1;
+    for percent in [0, 101, 255] {
+        body[last] = percent;
+        assert_eq!(decode_body(&body), Err(DecodeError::Value(BadValue::NotAShare)), "{percent}");
+    }
+    (body[last], body[last - 1]) = (100, 2);
+    assert_eq!(decode_body(&body), Err(DecodeError::MalformedBody), "a press for what nobody knows");
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! Who holds hold-to-run: the terminal's space bar, a page of the console, or nobody where no arm of iron can
 //! move.
 
-use super::super::keyboard::{Key, Keyboard, went_away};
+use super::super::keyboard::{Key, Keyboard, next_scale, went_away};
 use crate::console::Desk;
 use crate::exit::{Exit, Failure};
 use crate::station::operator::Buttons;
 use crate::station::{SlaveAnnouncement, Unattended};
 use std::time::Instant;
-use tetrad_core::wire::ArmStatePacket;
+use tetrad_core::wire::{ArmStatePacket, ScaleShare};
 
 /// Where the buttons are.
 pub(super) enum Hold {
@@ -24,6 +24,8 @@ pub(super) enum Wish {
     Quit,
     /// The joints are said to be homed, which is for somebody at the arm to say.
     Homed,
+    /// The hand shall lead by that share of the slave's scale.
+    Scaled(ScaleShare),
 }
 
 impl Hold {
@@ -57,7 +59,9 @@ impl Hold {
 
     pub(super) const fn usage(&self) -> &'static str {
         match self {
-            Self::Keyboard { .. } => "r resets, hold the space bar to move, any other key stops, q ends",
+            Self::Keyboard { .. } => {
+                "r resets, hold the space bar to move, g to go home, - and + for the scale, any other key stops, q ends"
+            }
             Self::Console(_) => "the buttons are in the console; Ctrl-C ends",
             Self::Always { .. } => {
                 "hold-to-run is pressed by itself, for nothing that moves is at the other end"
@@ -113,11 +117,16 @@ impl Hold {
                     buttons.resets = buttons.resets.wrapping_add(1);
                 }
                 Ok(Some(Key::Homed)) => wish = Wish::Homed,
+                Ok(Some(key @ (Key::Finer | Key::Coarser))) => {
+                    buttons.scale = next_scale(buttons.scale, key);
+                    wish = Wish::Scaled(buttons.scale);
+                }
                 Ok(None) => break,
                 Err(cause) => return Err(went_away(cause)),
             }
         }
         buttons.pressed = keyboard.is_held(now) && !buttons.stop;
+        buttons.press_for = keyboard.held_for();
         Ok(wish)
     }
 
@@ -165,7 +174,7 @@ mod tests {
         assert!(hear(&mut hold, ArmState::Engaged, ArmReason::None).pressed);
         hold.slave_gone();
         let gone = hear(&mut hold, ArmState::Engaged, ArmReason::None);
-        assert_eq!(gone, Buttons { pressed: false, stop: false, resets: 1 });
+        assert_eq!(gone, Buttons { resets: 1, ..Buttons::default() });
         let sim = SlaveAnnouncement::new(&"sim:".parse().unwrap(), &SlaveConfig::default(), 0);
         hold.announced(&sim).unwrap();
         assert_eq!(hear(&mut hold, ArmState::Stopped, ArmReason::Asked), gone);

@@ -57,7 +57,8 @@ Examples:
     tetrad operator --config tetrad.toml --hold-to-run console
 
 On the terminal: r resets (after the start, a stop or a fault), the space bar moves the arm while it is
-held, any other key stops it at once, q ends the program.
+held, g brings it home while that is held, - and + let the hand lead less far or farther, any other key stops it at
+once, q ends the program.
 
 With --out, DIR gets pose.csv and filtered.csv (the hand), arm_state.csv (what the slave says),
 sent.csv (when each motion passed the stages here), delays.csv, arm.csv where the arm is here, and the newest

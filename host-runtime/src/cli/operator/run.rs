@@ -117,7 +117,7 @@ impl Run {
             }
             match self.turn(now_us) {
                 Ok(Wish::Quit) => break Ok(()),
-                Ok(Wish::Nothing | Wish::Homed) => {}
+                Ok(Wish::Nothing | Wish::Homed | Wish::Scaled(_)) => {}
                 Err(failure) => break Err(failure),
             }
             if self.memory.warm.is_none() && now_us >= warm_us {
@@ -149,6 +149,9 @@ impl Run {
             } else {
                 "whether its joints are homed is for somebody at the arm to say: h at the slave's terminal"
             });
+        }
+        if let Wish::Scaled(scale) = wish {
+            self.print(&format!("the next press follows by {} % of the slave's scale", scale.percent()));
         }
         let mut came = Vec::new();
         for (at, camera) in self.parts.cameras.0.iter_mut().enumerate() {
@@ -324,8 +327,8 @@ impl Run {
 
     /// The button is let go, and the slave hears of it.
     fn let_go(&mut self) {
-        let resets = self.parts.hold.buttons(self.parts.clock.now_us()).resets;
-        let released = Buttons { pressed: false, stop: false, resets };
+        let buttons = self.parts.hold.buttons(self.parts.clock.now_us());
+        let released = Buttons { pressed: false, stop: false, ..buttons };
         for _ in 0..RELEASES {
             // what cannot be sent any more is not pressed either
             let _ = self.parts.station.step(&self.parts.slave, released, &self.parts.clock);

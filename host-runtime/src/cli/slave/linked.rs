@@ -153,7 +153,7 @@ impl Desk {
             match keyboard.next() {
                 Ok(Some(Key::Quit)) => break self.end(),
                 Ok(Some(Key::Homed)) => slave.confirm_homed(),
-                Ok(Some(Key::Stop | Key::Reset)) => slave.stop(),
+                Ok(Some(Key::Stop | Key::Reset | Key::Finer | Key::Coarser)) => slave.stop(),
                 Ok(None) => {
                     // the bar too
                     if keyboard.take_strike() {

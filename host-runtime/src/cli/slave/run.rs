@@ -7,12 +7,13 @@ use super::ending;
 use super::packets::{Losses, Next, Packets};
 use super::talk::Talk;
 use crate::cli::interrupt::Interrupt;
-use crate::cli::keyboard::{Key, Keyboard, went_away};
+use crate::cli::keyboard::{Key, Keyboard, next_scale, went_away};
 use crate::cli::note;
 use crate::exit::{Exit, Failure};
 use crate::output::ArmRecord;
 use crate::station::{Cycle, EnableThenReset, Reset, Resetting, SlaveStation};
 use std::time::{Duration, Instant};
+use tetrad_core::wire::ScaleShare;
 
 /// How long the end of the run waits for the arm to be at rest.
 const REST: Duration = Duration::from_secs(3);
@@ -42,6 +43,8 @@ pub(super) struct Run {
     input: Input,
     /// What the newest packet says of the button.
     sender_pressed: bool,
+    /// The share of the scale that the keys have stepped to.
+    scale: ScaleShare,
     /// A reset that waits for the arm to be switched on.
     reset: Option<Resetting>,
     last: Option<Cycle>,
@@ -77,6 +80,7 @@ impl Run {
             cycle,
             input: if keyboard.is_some() { Input::Open } else { Input::Starting },
             sender_pressed: false,
+            scale: ScaleShare::FULL,
             reset: None,
             keyboard,
             last: None,
@@ -95,7 +99,9 @@ impl Run {
 
     pub(super) fn usage(&self) -> &'static str {
         match self.keyboard {
-            Some(_) => "r resets, hold the space bar to move, any other key stops, q ends",
+            Some(_) => {
+                "r resets, hold the space bar to move, g to go home, - and + for the scale, any other key stops, q ends"
+            }
             None => "the packets hold the button",
         }
     }
@@ -153,6 +159,7 @@ impl Run {
                     self.reset = None;
                 }
                 Ok(Some(Key::Homed)) => self.station.confirm_homed(),
+                Ok(Some(key @ (Key::Finer | Key::Coarser))) => self.scale = next_scale(self.scale, key),
                 Ok(Some(Key::Reset)) => self.reset = Some(Resetting::asked(now_us)),
                 Ok(None) => break,
                 Err(cause) => {
@@ -162,6 +169,7 @@ impl Run {
             }
         }
         let held = keyboard.is_held(now);
+        self.station.press_is_for(keyboard.held_for(), self.scale);
         self.station.hold_to_run(held, now_us);
         Ok(false)
     }

@@ -4,12 +4,20 @@ use proptest::prelude::*;
 const A: Tab = Tab(1);
 const B: Tab = Tab(2);
 
+/// A tab in control that has let go, at 1 s.
+fn driving() -> Control {
+    let mut control = Control::new(true);
+    control.take(A, "first", 1_000_000).unwrap();
+    control.release(A, 1_000_000);
+    control
+}
+
 /// A tab in control that has pressed at 1 s.
 fn pressed() -> Control {
     let mut control = Control::new(true);
     control.take(A, "a", 900_000).unwrap();
     control.release(A, 900_000);
-    control.hold(A, 1, 1_000_000, 1_000_000).unwrap();
+    control.hold(A, 1, PressFor::Follow, 1_000_000, 1_000_000).unwrap();
     assert!(control.buttons(1_000_000).pressed);
     control
 }
@@ -17,10 +25,10 @@ fn pressed() -> Control {
 #[test]
 fn nothing_is_pressed_by_a_tab_that_is_not_in_control() {
     let mut control = Control::new(true);
-    assert_eq!(control.hold(A, 1, 0, 0), Err(Refusal::NotInControl));
+    assert_eq!(control.hold(A, 1, PressFor::Follow, 0, 0), Err(Refusal::NotInControl));
     assert_eq!(control.buttons(0), Buttons::default());
     control.take(A, "a", 0).unwrap();
-    assert_eq!(control.hold(B, 1, 0, 0), Err(Refusal::NotInControl));
+    assert_eq!(control.hold(B, 1, PressFor::Follow, 0, 0), Err(Refusal::NotInControl));
     assert_eq!(control.buttons(0), Buttons::default());
 }
 
@@ -35,12 +43,12 @@ fn a_press_counts_for_sixty_milliseconds() {
 fn a_short_silence_is_a_release_while_it_lasts_and_a_long_one_ends_the_press() {
     let mut control = pressed();
     assert!(!control.buttons(1_200_000).pressed);
-    control.hold(A, 1, 1_250_000, 1_300_000).unwrap();
+    control.hold(A, 1, PressFor::Follow, 1_250_000, 1_300_000).unwrap();
     assert!(control.buttons(1_300_000).pressed, "it goes on");
     let late_us = 1_300_000 + HICCUP_US + 1;
-    assert_eq!(control.hold(A, 1, late_us, late_us), Err(Refusal::Ended));
+    assert_eq!(control.hold(A, 1, PressFor::Follow, late_us, late_us), Err(Refusal::Ended));
     assert!(!control.buttons(late_us).pressed);
-    control.hold(A, 2, late_us, late_us + 1).unwrap();
+    control.hold(A, 2, PressFor::Follow, late_us, late_us + 1).unwrap();
     assert!(control.buttons(late_us + 1).pressed, "a fresh press counts");
 }
 
@@ -49,13 +57,21 @@ fn a_page_that_has_not_heard_from_us_does_not_press() {
     let mut control = Control::new(true);
     control.take(A, "a", 5_000_000).unwrap();
     control.release(A, 5_000_000);
-    assert_eq!(control.hold(A, 1, 5_000_000 - HEARD_US - 1, 5_000_000), Err(Refusal::Late));
-    assert_eq!(control.hold(A, 1, 5_000_000, 5_000_000), Err(Refusal::Ended), "a press that began late");
-    assert_eq!(control.hold(A, 2, 5_000_001, 5_000_000), Err(Refusal::Late), "from the future");
-    control.hold(A, 3, 5_000_000, 5_000_000).unwrap();
+    assert_eq!(control.hold(A, 1, PressFor::Follow, 5_000_000 - HEARD_US - 1, 5_000_000), Err(Refusal::Late));
+    assert_eq!(
+        control.hold(A, 1, PressFor::Follow, 5_000_000, 5_000_000),
+        Err(Refusal::Ended),
+        "a press that began late"
+    );
+    assert_eq!(
+        control.hold(A, 2, PressFor::Follow, 5_000_001, 5_000_000),
+        Err(Refusal::Late),
+        "from the future"
+    );
+    control.hold(A, 3, PressFor::Follow, 5_000_000, 5_000_000).unwrap();
     // what waited in a line for a second comes all at once
     for old in [5_030_000, 5_060_000, 5_090_000] {
-        assert!(control.hold(A, 3, old, 6_000_000).is_err());
+        assert!(control.hold(A, 3, PressFor::Follow, old, 6_000_000).is_err());
     }
     assert!(!control.buttons(6_000_000).pressed);
 }
@@ -65,8 +81,8 @@ fn a_release_is_at_once_and_the_same_press_does_not_come_back() {
     let mut control = pressed();
     control.release(A, 1_010_000);
     assert!(!control.buttons(1_010_000).pressed);
-    assert_eq!(control.hold(A, 1, 1_020_000, 1_020_000), Err(Refusal::Ended));
-    control.hold(A, 2, 1_030_000, 1_030_000).unwrap();
+    assert_eq!(control.hold(A, 1, PressFor::Follow, 1_020_000, 1_020_000), Err(Refusal::Ended));
+    control.hold(A, 2, PressFor::Follow, 1_030_000, 1_030_000).unwrap();
     assert!(control.buttons(1_030_000).pressed);
 }
 
@@ -74,20 +90,24 @@ fn a_release_is_at_once_and_the_same_press_does_not_come_back() {
 fn anybody_stops_and_only_who_drives_resets() {
     let mut control = pressed();
     control.stop();
-    let stopped = Buttons { pressed: false, stop: true, resets: 0 };
+    let stopped = Buttons { stop: true, ..Buttons::default() };
     assert_eq!(control.buttons(1_000_000), stopped);
     for press in [1, 2] {
         // the one that the stop has ended is told why too
-        assert_eq!(control.hold(A, press, 1_010_000, 1_010_000), Err(Refusal::Stopped));
+        assert_eq!(control.hold(A, press, PressFor::Follow, 1_010_000, 1_010_000), Err(Refusal::Stopped));
     }
     assert_eq!(control.reset(B, 1_010_000), Err(Refusal::NotInControl));
     assert_eq!(control.buttons(1_010_000), stopped);
     control.reset(A, 1_020_000).unwrap();
-    assert_eq!(control.buttons(1_020_000), Buttons { pressed: false, stop: false, resets: 1 });
+    assert_eq!(control.buttons(1_020_000), Buttons { resets: 1, ..Buttons::default() });
     for held in [1, 2] {
-        assert_eq!(control.hold(A, held, 1_030_000, 1_030_000), Err(Refusal::Ended), "held all the time");
+        assert_eq!(
+            control.hold(A, held, PressFor::Follow, 1_030_000, 1_030_000),
+            Err(Refusal::Ended),
+            "held all the time"
+        );
     }
-    control.hold(A, 3, 1_040_000, 1_040_000).unwrap();
+    control.hold(A, 3, PressFor::Follow, 1_040_000, 1_040_000).unwrap();
     assert!(control.buttons(1_040_000).pressed);
 }
 
@@ -95,12 +115,12 @@ fn anybody_stops_and_only_who_drives_resets() {
 fn what_was_held_before_control_was_taken_does_not_count() {
     let mut control = Control::new(true);
     control.take(A, "a", 0).unwrap();
-    assert_eq!(control.hold(A, 1, 0, 0), Err(Refusal::Ended));
+    assert_eq!(control.hold(A, 1, PressFor::Follow, 0, 0), Err(Refusal::Ended));
     control.release(A, 0);
-    control.hold(A, 2, 0, 0).unwrap();
+    control.hold(A, 2, PressFor::Follow, 0, 0).unwrap();
     control.leave(A);
     control.take(A, "a", 10_000).unwrap();
-    assert_eq!(control.hold(A, 3, 10_000, 10_000), Err(Refusal::Ended), "again");
+    assert_eq!(control.hold(A, 3, PressFor::Follow, 10_000, 10_000), Err(Refusal::Ended), "again");
     assert!(!control.buttons(10_000).pressed);
 }
 
@@ -109,7 +129,7 @@ fn a_reset_lets_go() {
     let mut control = pressed();
     control.reset(A, 1_010_000).unwrap();
     assert!(!control.buttons(1_010_000).pressed);
-    assert_eq!(control.hold(A, 1, 1_020_000, 1_020_000), Err(Refusal::Ended));
+    assert_eq!(control.hold(A, 1, PressFor::Follow, 1_020_000, 1_020_000), Err(Refusal::Ended));
 }
 
 #[test]
@@ -117,10 +137,10 @@ fn when_the_button_was_last_told_is_known_after_its_end_too() {
     let mut control = Control::new(true);
     assert_eq!(control.view(None, 0).held_us, None);
     control = pressed();
-    control.hold(A, 1, 1_030_000, 1_030_000).unwrap();
+    control.hold(A, 1, PressFor::Follow, 1_030_000, 1_030_000).unwrap();
     control.release(A, 1_040_000);
     // what does not count is no such message
-    assert_eq!(control.hold(A, 1, 1_050_000, 1_050_000), Err(Refusal::Ended));
+    assert_eq!(control.hold(A, 1, PressFor::Follow, 1_050_000, 1_050_000), Err(Refusal::Ended));
     control.leave(A);
     assert_eq!(control.view(None, 1_060_000).held_us, Some(1_030_000));
 }
@@ -138,7 +158,7 @@ fn one_tab_at_a_time() {
     control.leave(A);
     assert!(!control.buttons(1_010_000).pressed, "the socket is gone");
     control.take(B, "b", 1_020_000).unwrap();
-    assert_eq!(control.hold(A, 9, 1_030_000, 1_030_000), Err(Refusal::NotInControl));
+    assert_eq!(control.hold(A, 9, PressFor::Follow, 1_030_000, 1_030_000), Err(Refusal::NotInControl));
 }
 
 #[test]
@@ -150,7 +170,7 @@ fn who_is_silent_for_long_has_lost_control() {
     assert!(control.is_holder(A, gone_us + ABSENT_US));
     let gone_us = gone_us + ABSENT_US + 1;
     assert_eq!(control.view(None, gone_us).holder, None);
-    assert_eq!(control.hold(A, 7, gone_us, gone_us), Err(Refusal::NotInControl));
+    assert_eq!(control.hold(A, 7, PressFor::Follow, gone_us, gone_us), Err(Refusal::NotInControl));
     control.take(B, "b", gone_us).unwrap();
     control.here(A, gone_us);
     assert!(control.is_holder(B, gone_us));
@@ -228,7 +248,7 @@ proptest! {
                 }
                 Act::Here(tab) => control.here(tab, now_us),
                 Act::Hold(tab, press, ago_us) => {
-                    if control.hold(tab, press, now_us - ago_us, now_us).is_ok() {
+                    if control.hold(tab, press, PressFor::Follow, now_us - ago_us, now_us).is_ok() {
                         prop_assert!(control.is_holder(tab, now_us));
                         prop_assert!(!stopped, "a stop latches");
                         prop_assert!(ago_us <= HEARD_US);
@@ -266,4 +286,41 @@ proptest! {
             prop_assert!(!control.buttons(now_us + FRESH_US + 1).pressed);
         }
     }
+}
+
+#[test]
+fn a_press_for_the_way_home_is_one_of_its_own() {
+    let mut control = driving();
+    control.hold(A, 1, PressFor::Home, 1_000_000, 1_000_000).unwrap();
+    let buttons = control.buttons(1_000_000);
+    assert_eq!((buttons.pressed, buttons.press_for), (true, PressFor::Home));
+    // the same press for something else
+    let other = control.hold(A, 1, PressFor::Follow, 1_010_000, 1_010_000);
+    assert_eq!(other, Err(Refusal::Ended));
+    assert!(!control.buttons(1_010_000).pressed);
+    assert_eq!(control.hold(A, 1, PressFor::Home, 1_020_000, 1_020_000), Err(Refusal::Ended));
+    control.release(A, 1_030_000);
+    assert_eq!(control.buttons(1_030_000).press_for, PressFor::Home, "the release is that press's");
+    control.hold(A, 2, PressFor::Follow, 1_040_000, 1_040_000).unwrap();
+    assert_eq!(control.buttons(1_040_000).press_for, PressFor::Follow);
+}
+
+#[test]
+fn the_scale_is_for_whoever_drives_and_only_while_the_button_is_let_go() {
+    let mut control = driving();
+    let percent = |control: &Control| control.buttons(1_000_000).scale.percent();
+    assert_eq!(percent(&control), 100);
+    assert_eq!(control.set_scale(A, 25, 1_000_000), Ok(()));
+    assert_eq!((percent(&control), control.view(None, 1_000_000).scale_percent), (25, 25));
+    for none in [0, 101, 255] {
+        assert_eq!(control.set_scale(A, none, 1_000_000), Err(Refusal::NoScale));
+    }
+    assert_eq!(control.set_scale(B, 50, 1_000_000), Err(Refusal::NotInControl));
+    control.hold(A, 1, PressFor::Follow, 1_000_000, 1_000_000).unwrap();
+    assert_eq!(control.set_scale(A, 50, 1_000_000), Err(Refusal::Held));
+    control.release(A, 1_010_000);
+    assert_eq!(control.set_scale(A, 50, 1_020_000), Ok(()));
+    control.leave(A);
+    assert_eq!(percent(&control), 50, "it stays for whoever comes next");
+    assert_eq!(Control::new(false).set_scale(A, 50, 0), Err(Refusal::ButtonsElsewhere));
 }

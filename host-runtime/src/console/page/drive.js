@@ -12,6 +12,9 @@ import { figureOf, Views } from "./views.js";
 // What is read is written ten times a second, not thirty; what is pressed shows at once.
 const READ_MS = 100;
 
+// A scale may be small.
+const SIGNIFICANT = new Intl.NumberFormat("en", { maximumSignificantDigits: 2 });
+
 // How the hand's pose is known.
 const KNOWN = {
   both: "all balls in two cameras",
@@ -100,7 +103,8 @@ function showHand({ hand, engaged_share: share, arm, slave, pictures }) {
     facts.push(["heard", `arm ${ms(arm.age_us)} ago; it heard the button ${ms(arm.button_age_us)} ago`]);
   }
   if (slave) {
-    facts.push(["scale", `10 mm of the hand are ${(slave.scale * 10).toFixed(1)} mm of the tool, as the slave's file sets it`]);
+    const least = arm ? ` (${SIGNIFICANT.format(slave.scale * 10)} mm at the most)` : "";
+    facts.push(["scale", `10 mm of the hand are ${SIGNIFICANT.format((arm?.scale ?? slave.scale) * 10)} mm of the tool${least}`]);
     facts.push(["clutch", "let go, move the hand back, press again: the arm goes on from where it is"]);
   }
   for (const picture of pictures) {
@@ -112,7 +116,7 @@ function showHand({ hand, engaged_share: share, arm, slave, pictures }) {
   texts.forEach((text, at) => {
     write(list.children[at] ?? list.appendChild(document.createElement(at % 2 ? "dd" : "dt")), text);
   });
-  const asked = arm?.state === "engaged" ? "; dotted: asked by the hand" : "";
+  const asked = arm?.state === "engaged" && !arm.goes_home ? "; dotted: asked by the hand" : "";
   const known = hand?.covariance_mm2 ? `; rings: how well the hand is known, x ${ENLARGED}` : "";
   write(find("scene-words"), `solid: measured; dashed: told${asked}${known}`);
 }

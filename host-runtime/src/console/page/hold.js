@@ -1,48 +1,46 @@
-// Hold-to-run: the space bar or a button, told again and again while it is held.
+// Hold-to-run: a key or a button, told again and again while it is held. There are two: one to move the arm with the
+// hand, one to have it go home.
 //
 // Whatever is doubtful lets go: the key up, the pointer lifted or lost, another of the mouse's buttons with it,
-// the focus elsewhere, the window without focus, the tab hidden, the page left, the socket lost, a refusal. A press
-// that has ended does not come back: the key has to be let go and pressed anew. Keys that repeat press nothing.
+// the focus elsewhere, the window without focus, the tab hidden, the page left, the socket lost, a refusal, and the
+// other of the two. A press that has ended does not come back: the key has to be let go and pressed anew. Keys that
+// repeat press nothing.
 //
-// The space bar is the arm's while the focus is on this button or nowhere. Elsewhere it belongs to what has the
-// focus, as on every page: on STOP it stops.
+// Keys are the arm's while the focus is on one of the two buttons or nowhere. Elsewhere they belong to what has the
+// focus, as on every page: on STOP the space bar stops.
 
 const TELL_MS = 30;
 
 // A pointer's main button, or its touch (Pointer Events, 3.1.1).
 const MAIN = 1;
 
+const isSpace = (event) => event.code === "Space";
+const isH = (event) => event.key.toLowerCase() === "h";
+
 export class Hold extends EventTarget {
   #live;
-  #button;
+  // to move with the hand, and to go home
+  #move;
+  #home;
   #press = 0;
   #timer = null;
-  // the pointer that holds the button
+  // the button that is held, by whatever
+  #held = null;
+  // the pointer that holds it
   #pointer = null;
   // whether the space bar went down for the arm
   #spaceIsOurs = false;
 
-  constructor(live, button) {
+  constructor(live, move, home) {
     super();
     this.#live = live;
-    this.#button = button;
+    this.#move = move;
+    this.#home = home;
     addEventListener("keydown", (event) => this.#key(event, true));
     addEventListener("keyup", (event) => this.#key(event, false));
-    button.addEventListener("pointerdown", (event) => this.#point(event));
-    // further buttons of a mouse that has one down, and all but the last that go up, are told as moves
-    button.addEventListener("pointermove", (event) => {
-      if (event.pointerId === this.#pointer?.id && !(event.buttons & MAIN)) this.end();
-    });
-    for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
-      button.addEventListener(end, () => this.end());
-    }
-    button.addEventListener("contextmenu", (event) => {
-      event.preventDefault();
-      // a finger or pen that stays where it is asks for it too, and only holds the button
-      if (this.#pointer?.type === "mouse") this.end();
-    });
+    for (const button of [move, home]) this.#listen(button);
     addEventListener("focusin", ({ target }) => {
-      if (target !== button) this.end();
+      if (target !== move && target !== home) this.end();
     });
     addEventListener("blur", () => this.end());
     addEventListener("pagehide", () => this.end());
@@ -57,29 +55,26 @@ export class Hold extends EventTarget {
     return this.#timer !== null;
   }
 
-  // Whether the space bar would be the arm's.
-  get hasSpaceBar() {
+  // Whether it is held to go home.
+  get isForHome() {
+    return this.#held === this.#home;
+  }
+
+  // Whether the keys would be the arm's.
+  get hasKeys() {
     return this.#isOurs(document.activeElement);
   }
 
   // Gives the space bar to the arm, whatever had it.
   takeFocus() {
-    if (this.#button.disabled) document.activeElement?.blur();
-    else this.#button.focus({ preventScroll: true });
-  }
-
-  begin() {
-    if (this.isHeld || document.hidden || !document.hasFocus()) return;
-    this.#press += 1;
-    this.#timer = setInterval(() => this.#tell(), TELL_MS);
-    this.#tell();
-    this.dispatchEvent(new Event("change"));
+    this.#focus(this.#move);
   }
 
   end() {
     if (!this.isHeld) return;
     clearInterval(this.#timer);
     this.#timer = null;
+    this.#held = null;
     this.#pointer = null;
     this.letGo();
     this.dispatchEvent(new Event("change"));
@@ -90,31 +85,71 @@ export class Hold extends EventTarget {
     this.#live.send({ type: "release" });
   }
 
+  #begin(button) {
+    // who holds both is not understood
+    if (this.isHeld && this.#held !== button) this.end();
+    else if (!this.isHeld && !document.hidden && document.hasFocus()) {
+      this.#press += 1;
+      this.#held = button;
+      this.#timer = setInterval(() => this.#tell(), TELL_MS);
+      this.#tell();
+      this.dispatchEvent(new Event("change"));
+    }
+  }
+
   #tell() {
-    if (!this.#live.send({ type: "hold", press: this.#press, shown_us: this.#live.shownUs })) this.end();
+    const told = { type: "hold", press: this.#press, home: this.isForHome, shown_us: this.#live.shownUs };
+    if (!this.#live.send(told)) this.end();
   }
 
   #isOurs(element) {
-    return element === null || element === document.body || element === document.documentElement || element === this.#button;
+    const nowhere = element === null || element === document.body || element === document.documentElement;
+    return nowhere || element === this.#move || element === this.#home;
   }
 
-  #point(event) {
+  #focus(button) {
+    if (button.disabled) document.activeElement?.blur();
+    else button.focus({ preventScroll: true });
+  }
+
+  #listen(button) {
+    button.addEventListener("pointerdown", (event) => this.#point(event, button));
+    // further buttons of a mouse that has one down, and all but the last that go up, are told as moves
+    button.addEventListener("pointermove", (event) => {
+      if (event.pointerId === this.#pointer?.id && !(event.buttons & MAIN)) this.end();
+    });
+    for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
+      button.addEventListener(end, () => this.end());
+    }
+    button.addEventListener("contextmenu", (event) => {
+      event.preventDefault();
+      // a finger or pen that stays where it is asks for it too, and only holds the button
+      if (this.#pointer?.type === "mouse") this.end();
+    });
+  }
+
+  #point(event, button) {
     if (event.button !== 0 || event.buttons !== MAIN) return;
     event.preventDefault();
-    this.takeFocus();
-    this.#button.setPointerCapture(event.pointerId);
-    this.begin();
+    this.#focus(button);
+    button.setPointerCapture(event.pointerId);
+    this.#begin(button);
     if (this.isHeld) this.#pointer ??= { id: event.pointerId, type: event.pointerType };
   }
 
   #key(event, down) {
-    if (event.code !== "Space") return;
+    if (!isSpace(event) && !isH(event)) return;
     // up is up, wherever it is heard
     if (!down) this.end();
     const fresh = down && !event.repeat;
-    if (fresh) this.#spaceIsOurs = this.#isOurs(event.target);
-    // nor does it scroll, or press what has got the focus meanwhile; STOP it may press
-    if (this.#spaceIsOurs && !event.target.closest?.("#stop")) event.preventDefault();
-    if (fresh && this.#spaceIsOurs && !event.ctrlKey && !event.altKey && !event.metaKey) this.begin();
+    const ours = this.#isOurs(event.target);
+    if (isSpace(event)) {
+      if (fresh) this.#spaceIsOurs = ours;
+      // nor does it scroll, or press what has got the focus meanwhile; STOP it may press
+      if (this.#spaceIsOurs && !event.target.closest?.("#stop")) event.preventDefault();
+    }
+    if (!fresh || !ours || event.ctrlKey || event.altKey || event.metaKey) return;
+    // on the button for the way home the space bar presses that one, as on every page
+    this.#begin(isH(event) || event.target === this.#home ? this.#home : this.#move);
   }
 }

@@ -85,7 +85,7 @@ async function open(name) {
   slider.max = session.length_us;
   slider.value = 0;
   find("views").replaceChildren(...session.cameras.map(view));
-  want(0);
+  want(session.first_us);
   follow(false);
 }
 

@@ -18,6 +18,8 @@ pub(super) struct About {
     length_us: u64,
     /// Moments that it is stepped through by.
     moments: usize,
+    /// When the first of them is, microseconds after it began: another camera may have begun a little before.
+    first_us: u64,
     /// Whether the file has no end.
     cut: bool,
     cameras: Vec<CameraAbout>,
@@ -65,6 +67,7 @@ impl About {
             began_unix_us: beginning.epoch_us.saturating_add(first_us),
             length_us: last_us - first_us,
             moments: moments(index).len(),
+            first_us: moments(index).first().map_or(0, |spot| spot.time_us.saturating_sub(first_us)),
             cut: index.cut(),
             cameras: cameras.collect(),
             topics: topics.collect(),

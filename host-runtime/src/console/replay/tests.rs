@@ -90,6 +90,7 @@ async fn a_session_is_shown_moment_by_moment() {
         (&about["moments"], &about["cut"], &about["mode"]),
         (&30.into(), &false.into(), &"refined".into())
     );
+    assert_eq!(about["first_us"], 0);
     assert_eq!(about["length_us"], 29 * PERIOD_US + 2);
     assert_eq!(about["cameras"][0]["pictures"], 30);
     assert_eq!((&about["cameras"][1]["name"], &about["cameras"][1]["pictures"]), (&"afar".into(), &0.into()));

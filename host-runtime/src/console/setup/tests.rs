@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use std::time::Instant;
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::Ball;
+use tetrad_core::wire::PressFor;
 
 /// Every POST there is, with a body that would be taken.
 fn posts() -> [(&'static str, Value); 8] {
@@ -180,7 +181,7 @@ async fn nothing_is_set_up_while_the_arm_follows_the_hand() {
         let now_us = room.clock.now_us();
         control.take(Tab(1), "a", now_us).unwrap();
         control.release(Tab(1), now_us);
-        control.hold(Tab(1), 1, now_us, now_us).unwrap();
+        control.hold(Tab(1), 1, PressFor::Follow, now_us, now_us).unwrap();
     }
     for (path, mut body) in posts() {
         body["page"] = json!(1);

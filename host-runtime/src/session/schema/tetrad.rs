@@ -388,6 +388,12 @@ pub struct Buttons {
     /// Resets.
     #[prost(uint32, tag = "4")]
     pub resets: u32,
+    /// The press is for the way home, not for following the hand.
+    #[prost(bool, tag = "5")]
+    pub home: bool,
+    /// Percent of the slave's scale by which the next press follows.
+    #[prost(uint32, tag = "6")]
+    pub scale_percent: u32,
 }
 
 /// What the slave said of its arm.
@@ -429,6 +435,9 @@ pub struct Arm {
     /// What keeps it from following as it was asked, in words.
     #[prost(string, repeated, tag = "12")]
     pub slowed: Vec<String>,
+    /// Metres of the tool for one of the hand.
+    #[prost(float, tag = "13")]
+    pub scale: f32,
 }
 
 /// One stage of the way.

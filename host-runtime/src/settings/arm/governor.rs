@@ -3,6 +3,8 @@
 use super::super::file::Problem;
 use super::{mm, set, workspace_problem};
 use serde::Deserialize;
+use tetrad_core::arm::governor::Governor;
+use tetrad_core::arm::puma560::Puma560;
 use tetrad_core::config::{GovernorConfig, GovernorConfigError, JOINTS, PumaConfig, Workspace};
 
 #[derive(Default, Deserialize)]
@@ -25,6 +27,8 @@ pub(in crate::settings) struct GovernorToml {
     creep_from_mm: Option<f64>,
     full_speed_to_deg: Option<f64>,
     creep_from_deg: Option<f64>,
+    home_deg: Option<[f64; JOINTS]>,
+    home_speed_share: Option<f64>,
 }
 
 impl GovernorToml {
@@ -64,7 +68,13 @@ impl GovernorToml {
         set(&mut uncertainty.creep_m, self.creep_from_mm, mm);
         set(&mut uncertainty.full_rad, self.full_speed_to_deg, f64::to_radians);
         set(&mut uncertainty.creep_rad, self.creep_from_deg, f64::to_radians);
-        match governor.check(&puma.joints.map(|joint| joint.max_speed_rad_s)) {
+        governor.home_rad = self.home_deg.map(|joints| joints.map(f64::to_radians));
+        set(&mut governor.home_speed_share, self.home_speed_share, f64::from);
+        let checked = governor.check(&puma.joints.map(|joint| joint.max_speed_rad_s));
+        // where the tool is at home only the arm itself knows; what is wrong with it is told by its own check
+        let at_home =
+            |()| Puma560::<f64>::new(puma).map_or(Ok(()), |arm| Governor::new(&arm, &governor).map(|_| ()));
+        match checked.and_then(at_home) {
             Ok(()) => Ok(governor),
             Err(GovernorConfigError::Workspace) => Err(workspace_problem()),
             Err(error) => {
@@ -90,6 +100,11 @@ fn explained(error: GovernorConfigError) -> (&'static str, String) {
             let problem = format!("joint {joint} would take over 2 s to stop: raise one of them");
             return ("max_acceleration_deg_s2, max_jerk_deg_s3", problem);
         }
+        E::Home(joint) => return ("home_deg", format!("joint {joint}: an angle within its range is needed")),
+        E::HomeOutside => {
+            ("home_deg", "there the tool must be in the workspace; [workspace] has its corners")
+        }
+        E::HomeSpeedShare => ("home_speed_share", "above 0 and at most 1 is needed"),
         E::SpeedShare => ("speed_share", "above 0 and at most 1 is needed"),
         E::ToolSpeed => ("max_tool_speed_mm_s", "above 0 and at most 10000 is needed"),
         E::Response => ("response_per_s", "0.1 to 100 is needed"),

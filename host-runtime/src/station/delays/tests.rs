@@ -23,6 +23,7 @@ fn state(command: Option<CommandEcho>, settled: Option<Settled>) -> Received<Arm
         command,
         settled,
         buttons_age_us: None,
+        scale: 1.0,
     };
     Received { what, received_us: 1_040_000, captured_us: Some(1_039_000) }
 }

@@ -6,7 +6,10 @@ use crate::link::faulty::{Faults, FaultyEnd, pair};
 use crate::robot::simulated::{Mischief, SimulatedArm, SimulatedOptions};
 use crate::station::arm_words;
 use tetrad_core::arm::teleop::State;
-use tetrad_core::wire::{ArmReason, ArmState, ArmStatePacket, ControllerState, Settled};
+use tetrad_core::arm::teleop::{Note, Notes};
+use tetrad_core::wire::{
+    ArmReason, ArmState, ArmStatePacket, ControllerState, PressFor, ScaleShare, Settled,
+};
 use tetrad_fixtures::packets;
 
 const OPERATOR: u32 = 7;
@@ -248,6 +251,72 @@ fn a_release_stops_in_the_cycle_in_which_it_is_heard() {
         assert!(after_us <= u64::from(cycle_us) + TICK_US, "{after_us}");
         assert_eq!(rig.told().state, ArmState::Armed);
     }
+}
+
+/// The way home takes the button alone, and as fresh as the hand has to be.
+#[test]
+fn the_button_alone_takes_the_arm_home_and_its_silence_stops_it() {
+    let mut rig = Rig::new(10_000, [NETWORK, NONE]).following();
+    rig.run_ms(1_000);
+    let home = rig.states.iter().find(|state| state.state == ArmState::Armed).unwrap().tool;
+    let away_m = |rig: &Rig| {
+        let (at, home) = (rig.told().tool.translation, home.translation);
+        at.iter().zip(home).map(|(at, home)| (at - home).powi(2)).sum::<f32>().sqrt()
+    };
+    rig.buttons.pressed = false;
+    rig.run_ms(1_000);
+    let from_m = away_m(&rig);
+    assert!(from_m > 0.05, "{from_m}");
+    (rig.buttons.pressed, rig.buttons.press_for) = (true, PressFor::Home);
+    rig.sends = (false, true);
+    rig.run_ms(400);
+    let is_on = |rig: &Rig, note| Notes::from_bits(rig.told().notes).contains(note);
+    assert!(is_on(&rig, Note::GoesHome) && !is_on(&rig, Note::AtHome));
+    assert!(away_m(&rig) < from_m - 0.005, "no motion of a hand is needed");
+
+    rig.sends = (false, false);
+    let silent_us = rig.clock.now_us();
+    rig.run_ms(1_000);
+    let stands =
+        rig.states.iter().find(|state| state.time_us > silent_us && state.state != ArmState::Engaged);
+    let after_us = stands.unwrap().time_us - silent_us;
+    assert!(after_us <= 120_000, "what was on its way, and 100 ms: {after_us}");
+    let place = rig.told().set_point;
+    rig.sends = (false, true);
+    rig.run_ms(500);
+    assert_eq!(rig.told().set_point, place, "a press that has ended does not come back");
+
+    rig.buttons.pressed = false;
+    rig.run_ms(100);
+    rig.buttons.pressed = true;
+    rig.run_ms(5_000);
+    assert!(is_on(&rig, Note::GoesHome) && is_on(&rig, Note::AtHome));
+    assert!(away_m(&rig) < 1e-3, "{}", away_m(&rig));
+    // a button that is held on for something else is a new press, and has to be one
+    rig.buttons.press_for = PressFor::Follow;
+    rig.sends = (true, true);
+    rig.run_ms(200);
+    assert_eq!((rig.told().state, rig.told().reason), (ArmState::Armed, ArmReason::PressChanged));
+}
+
+#[test]
+fn the_share_of_the_scale_counts_from_the_next_press_on() {
+    let mut rig = Rig::new(10_000, [NONE; 2]).following();
+    let full = rig.told().scale;
+    rig.buttons.scale = ScaleShare::from_percent(10).unwrap();
+    rig.run_ms(300);
+    assert_eq!((rig.told().state, rig.told().scale), (ArmState::Engaged, full), "not within a press");
+    rig.buttons.pressed = false;
+    rig.run_ms(1_500);
+    assert!((rig.told().scale - full / 10.0).abs() < 1e-6, "of the next press: {}", rig.told().scale);
+    let from = rig.told().tool.translation;
+    rig.buttons.pressed = true;
+    let pressed_us = rig.clock.now_us();
+    rig.run_ms(2_000);
+    let to = rig.told().tool.translation;
+    let moved_m = from.iter().zip(to).map(|(from, to)| (from - to).powi(2)).sum::<f32>().sqrt();
+    let hand_m = rig.speed_m_s * (rig.clock.now_us() - pressed_us) as f32 / 1e6;
+    assert!((moved_m / (hand_m * full) - 0.1).abs() < 0.02, "{moved_m} of {hand_m}");
 }
 
 #[test]

@@ -7,8 +7,8 @@ use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::Observation;
 use tetrad_core::wire::{
     ArmReason, ArmState, ArmStatePacket, ArmVerdict, ButtonsPacket, CommandEcho, ControllerState, Covariance,
-    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, Settled, Transform, decode_body,
-    encode, encode_body,
+    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, PressFor, ScaleShare, Settled,
+    Transform, decode_body, encode, encode_body,
 };
 
 tetrad_no_panic::program!({
@@ -62,6 +62,7 @@ tetrad_no_panic::program!({
         }),
         settled: Some(Settled { sequence: 14, after_us: 15 }),
         buttons_age_us: Some(16),
+        scale: 0.5,
     });
     let buttons = Packet::from(ButtonsPacket {
         session: 1,
@@ -70,6 +71,8 @@ tetrad_no_panic::program!({
         pressed: true,
         stop: false,
         resets: 4,
+        press_for: black_box(PressFor::Home),
+        scale: black_box(ScaleShare::FULL),
     });
     let mut buffer = black_box([0_u8; 300]);
     for packet in black_box([observations, motion, state, buttons]) {

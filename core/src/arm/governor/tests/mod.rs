@@ -10,6 +10,8 @@ mod back_out;
 
 mod following;
 
+mod home;
+
 mod orders;
 
 mod rest;

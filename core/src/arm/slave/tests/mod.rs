@@ -2,6 +2,8 @@
 
 mod bounds;
 
+mod home;
+
 mod report;
 
 mod states;

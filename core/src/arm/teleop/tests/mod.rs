@@ -2,6 +2,8 @@
 
 mod clutch;
 
+mod home;
+
 pub(in crate::arm) mod network;
 
 mod paper;
@@ -9,6 +11,8 @@ mod paper;
 mod refusals;
 
 mod same_bits;
+
+mod scale;
 
 mod states;
 

@@ -181,6 +181,7 @@ impl<T: Real> Play<T> {
         let decision = self.rig.teleop.step(now_us, &self.rig.arm);
         match decision.order {
             Order::Follow(goal) => self.check(&goal, &decision, seen),
+            Order::Home => panic!("nobody asked for the way home"),
             Order::Stop => seen.held += u64::from(decision.status.state() == State::Hold),
         }
         self.servo.go(&mut self.rig.arm, &decision.order, 0.01);
