@@ -26,7 +26,8 @@
 //!
 //! [`link`] joins the stations: packets, pictures and clocks over QUIC, between named stations only.
 //!
-//! Files are opened by `regular_file`, which no name of a pipe can hold up, and those of text read by `text_file`.
+//! Files are opened by `regular_file`, which no name of a pipe can hold up, and those of text read by `text_file`;
+//! a film may come through a pipe.
 //!
 //! [`settings`] turns flags and files into checked settings, [`cli`] runs a command with them, and
 //! [`exit`] carries what went wrong to `main`, which alone prints errors and ends the process.

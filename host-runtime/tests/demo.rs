@@ -32,7 +32,9 @@ fn without_headless_it_keeps_time_names_its_console_and_nobody_moves_the_arm() {
     assert!(ran.stdout.starts_with("console         http://127.0.0.1:"), "{}", ran.stdout);
     let out = dir.path().join("out");
     let poses = csv(&out.join("pose.csv")).len() - 1;
-    assert!((1..=46).contains(&poses), "{poses} instants of 1.5 s");
+    // thirty a second in real time, however much longer than asked for a busy computer had it run
+    let most = (started.elapsed().as_secs_f64() * 30.0).ceil() as usize + 1;
+    assert!((1..=most).contains(&poses), "{poses} instants, at most {most} in that time");
     let states = csv(&out.join("arm_state.csv"));
     assert!(states.len() > 1 && states[1..].iter().all(|row| row[3] == "stopped"), "{states:?}");
 }

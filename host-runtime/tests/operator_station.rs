@@ -244,3 +244,64 @@ fn what_cannot_be_meant_is_refused() {
         .replace("view = \"right\"", "colours = \"no.toml\"");
     run(dir.path(), &away, "--hold-to-run always").refused(2, &["no.toml"]);
 }
+
+/// A file of colours that can be meant.
+fn colours() -> String {
+    let ball = |(name, colour): (&str, &str)| {
+        let colours = format!("reference = [{colour}]\ntypical = [{colour}]\nbackground = [120, 118, 110]");
+        format!("[{name}]\n{colours}\ndiameter_px = 16.5\n")
+    };
+    let balls = [("red", "203, 41, 52"), ("green", "41, 203, 52"), ("blue", "41, 52, 203")];
+    balls.into_iter().chain([("yellow", "203, 203, 52")]).map(ball).collect()
+}
+
+/// The station's file names its files from its own folder, --record from where the program is run.
+#[test]
+fn nothing_that_the_run_reads_is_recorded_over() {
+    let dir = tempfile::tempdir().unwrap();
+    let camera = "[[operator.camera]]\nsource = ";
+    let station = format!(
+        "[station]\nname = \"operator\"\nkeys = \"keys\"\n\
+         [camera]\nsource = \"sim:still\"\ncolours = \"own.toml\"\n\
+         [operator]\narm_mm = 80\nslave = \"here\"\n\
+         {camera}\"clip.mcap\"\nscene = \"scene.json\"\n\
+         {camera}\"frames\"\ncolours = \"frames.toml\"\n\
+         [console]\nlisten = \"127.0.0.1:0\"\ntoken_file = \"token\"\n\
+         certificate = \"console.pem\"\nkey = \"console.key\"\n\
+         [slave]\nport = \"dry-run:station/points.csv\"\n\
+         [[slave.camera]]\nsource = \"eye.y4m\"\n"
+    );
+    let balls = json!({ "red": [9, 9], "green": [19, 9], "blue": [29, 9], "yellow": [39, 9] });
+    let (scene, own) = (json!({ "seeds": { "left": balls } }).to_string(), colours());
+    let keys = "and [station] keys station/keys/";
+    let files = [
+        ("tetrad.toml", station.as_str(), "and --config station/tetrad.toml"),
+        ("own.toml", own.as_str(), "and the colours station/own.toml"),
+        ("clip.mcap", "a session", "and [[operator.camera]] source station/clip.mcap"),
+        ("scene.json", scene.as_str(), "and the scene station/scene.json"),
+        ("frames/0001.png", "a picture", "is read with [[operator.camera]] source station/frames"),
+        ("frames.toml", own.as_str(), "and the colours station/frames.toml"),
+        ("token", "a secret", "and [console] token_file station/token"),
+        ("console.pem", "a certificate", "and [console] certificate station/console.pem"),
+        ("console.key", "a key", "and [console] key station/console.key"),
+        ("keys/operator.pem", "a certificate", keys),
+        ("keys/operator.key", "a key", keys),
+        ("keys/authority.pem", "a certificate", keys),
+        ("keys/authority.key", "a key", keys),
+        ("points.csv", "t,q1,q2,q3,q4,q5,q6\n", "and [slave] port station/points.csv"),
+        ("eye.y4m", "a film", "and [[slave.camera]] source station/eye.y4m"),
+    ];
+    for folder in ["station/keys", "station/frames"] {
+        fs::create_dir_all(dir.path().join(folder)).unwrap();
+    }
+    for (name, text, _) in files {
+        fs::write(dir.path().join("station").join(name), text).unwrap();
+    }
+    let run = "operator --config station/tetrad.toml --hold-to-run always --record";
+    for (name, text, why) in files {
+        let said = format!("--record station/{name} {why}");
+        tetrad(dir.path(), &format!("{run} station/{name}")).refused(2, &[said.as_str(), "would be lost"]);
+        let file = dir.path().join("station").join(name);
+        assert_eq!(fs::read_to_string(&file).unwrap(), text, "{name} is as it was");
+    }
+}

@@ -90,12 +90,15 @@ pub struct GovernorConfig {
     /// Joints at which the tool is home, radians; `None`: where the arm was when it was first started. The arm
     /// goes to where the tool is then, in the posture in which it stands.
     pub home_rad: Option<[f64; JOINTS]>,
-    /// The share of its speed with which the arm goes home, above 0 and at most 1: nobody leads it by the hand.
+    /// The share of its speed with which the arm goes home, 0.05 to 1: nobody leads it by the hand.
     pub home_speed_share: f64,
     /// How speed falls as the hand is known less well. The refined tracker's own figures stay around a
     /// millimetre and a hundredth of a radian.
     pub uncertainty: SlowedByUncertainty,
 }
+
+/// Slower than this on its way home an arm would be taken for one that has come to rest.
+const LEAST_HOME_SPEED_SHARE: f64 = 0.05;
 
 impl Default for GovernorConfig {
     fn default() -> Self {
@@ -150,7 +153,7 @@ pub enum GovernorConfigError {
     CreepShare,
     /// In `uncertainty` each creep must lie above its full, both from 0 to 10.
     Uncertainty,
-    /// `home_speed_share` must be above 0 and at most 1.
+    /// `home_speed_share` must be from 0.05 to 1.
     HomeSpeedShare,
     /// `home_rad` of this joint must be within the joint's range.
     Home(u8),
@@ -187,7 +190,7 @@ impl fmt::Display for GovernorConfigError {
             Self::SingularityMargin => "singularity_margin must be from 0 to 0.9",
             Self::CreepShare => "creep_share must be above 0 and at most 1",
             Self::Uncertainty => "in uncertainty each creep must be above its full, both from 0 to 10",
-            Self::HomeSpeedShare => "home_speed_share must be above 0 and at most 1",
+            Self::HomeSpeedShare => "home_speed_share must be from 0.05 to 1",
             Self::Home(joint) => return write!(f, "home_rad of joint {joint} must be within its range"),
             Self::HomeOutside => "with the joints at home_rad the tool must be in the workspace",
         })
@@ -253,7 +256,11 @@ impl GovernorConfig {
         if !falls(u.full_m, u.creep_m) || !falls(u.full_rad, u.creep_rad) {
             return Err(GovernorConfigError::Uncertainty);
         }
-        if above_0(self.home_speed_share, 1.0) { Ok(()) } else { Err(GovernorConfigError::HomeSpeedShare) }
+        if (LEAST_HOME_SPEED_SHARE..=1.0).contains(&self.home_speed_share) {
+            Ok(())
+        } else {
+            Err(GovernorConfigError::HomeSpeedShare)
+        }
     }
 }
 
@@ -294,7 +301,8 @@ mod tests {
         assert_eq!(with(|c| c.creep_share = 0.0), Err(CreepShare));
         assert_eq!(with(|c| c.uncertainty.creep_m = 0.005), Err(Uncertainty));
         assert_eq!(with(|c| c.uncertainty.full_rad = f64::NAN), Err(Uncertainty));
-        assert_eq!(with(|c| c.home_speed_share = 0.0), Err(HomeSpeedShare));
+        assert_eq!(with(|c| c.home_speed_share = 0.04), Err(HomeSpeedShare));
+        assert_eq!(with(|c| c.home_speed_share = 0.05), Ok(()));
         assert_eq!(with(|c| c.home_speed_share = f64::NAN), Err(HomeSpeedShare));
     }
 }

@@ -1,4 +1,5 @@
-//! The operator's terminal: the space bar as hold-to-run (g for the way home), and a stop that is always there.
+//! The operator's terminal: the space bar as hold-to-run (h for the way home), and a stop that is always there.
+//! Letters are those of the console's pages, where both have one.
 //!
 //! A terminal tells that a key is down only by repeating it, and most tell nothing when it is let go. So
 //! the bar counts as held from its first repeat on, and after each repeat for twice as long as the
@@ -70,6 +71,11 @@ pub(in crate::cli) fn next_scale(scale: ScaleShare, key: Key) -> ScaleShare {
         _ => SCALES.iter().find(|step| **step > percent),
     };
     next.and_then(|percent| ScaleShare::from_percent(*percent)).unwrap_or(scale)
+}
+
+/// What the operator is told of it.
+pub(in crate::cli) fn scale_words(scale: ScaleShare) -> String {
+    format!("the next press follows by {} % of the slave's scale", scale.percent())
 }
 
 /// How long the space bar counts as held.
@@ -258,7 +264,7 @@ impl Keyboard {
         self.held_for
     }
 
-    /// Whether the space bar, or g, is held.
+    /// Whether the space bar, or h, is held.
     pub(in crate::cli) fn is_held(&self, now: Instant) -> bool {
         self.held.is_held(now)
     }
@@ -272,7 +278,7 @@ impl Keyboard {
         let control = event.modifiers.contains(KeyModifiers::CONTROL);
         let hold = match event.code {
             KeyCode::Char(' ') => Some(PressFor::Follow),
-            KeyCode::Char('g') => Some(PressFor::Home),
+            KeyCode::Char('h') => Some(PressFor::Home),
             _ => None,
         };
         let key = match (event.code, event.kind) {
@@ -289,11 +295,13 @@ impl Keyboard {
             // one key while the other is held is a fright, like any other
             _ if hold.is_some() => Key::Stop,
             (KeyCode::Char('-'), _) if !self.held.is_held(now) => Key::Finer,
-            (KeyCode::Char('+'), _) if !self.held.is_held(now) => Key::Coarser,
+            // kitty's protocol tells of the key, not of what Shift makes of it, and of Shift itself
+            (KeyCode::Char('+' | '='), _) if !self.held.is_held(now) => Key::Coarser,
+            (KeyCode::Modifier(_), _) if !self.held.is_held(now) => return None,
             (KeyCode::Char('c' | 'q'), _) if control => Key::Quit,
             (KeyCode::Char('q'), _) => Key::Quit,
             (KeyCode::Char('r'), _) => Key::Reset,
-            (KeyCode::Char('h'), _) => Key::Homed,
+            (KeyCode::Char('c'), _) => Key::Homed,
             // whatever else is struck in a fright
             _ => Key::Stop,
         };
@@ -340,6 +348,7 @@ impl Drop for Keyboard {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crossterm::event::ModifierKeyCode;
 
     fn keyboard(tells_releases: bool) -> Keyboard {
         Keyboard::of(File::open("/dev/null").unwrap().into(), tells_releases)
@@ -435,7 +444,9 @@ mod tests {
             (KeyCode::Esc, Key::Stop),
             (KeyCode::Enter, Key::Stop),
             (KeyCode::Char('r'), Key::Reset),
-            (KeyCode::Char('h'), Key::Homed),
+            (KeyCode::Char('c'), Key::Homed),
+            (KeyCode::Char('+'), Key::Stop),
+            (KeyCode::Modifier(ModifierKeyCode::LeftShift), Key::Stop),
             (KeyCode::Char('q'), Key::Quit),
         ] {
             let mut keyboard = keyboard(true);
@@ -446,11 +457,11 @@ mod tests {
     }
 
     #[test]
-    fn g_is_held_for_the_way_home_and_the_bar_beside_it_stops() {
-        let (bar, g) = (KeyCode::Char(' '), KeyCode::Char('g'));
+    fn h_is_held_for_the_way_home_and_the_bar_beside_it_stops() {
+        let (bar, h) = (KeyCode::Char(' '), KeyCode::Char('h'));
         let now = Instant::now();
         let mut keyboard = keyboard(true);
-        assert_eq!(keyboard.key(press(g), now), None);
+        assert_eq!(keyboard.key(press(h), now), None);
         assert!(keyboard.is_held(now) && keyboard.held_for() == PressFor::Home);
         let release = |code| KeyEvent::new_with_kind(code, KeyModifiers::NONE, KeyEventKind::Release);
         assert_eq!(keyboard.key(release(bar), now), None);
@@ -463,7 +474,7 @@ mod tests {
         assert!(!keyboard.is_held(now));
         // a tap of each in turn is no repeat of either
         let mut taps = self::keyboard(false);
-        for (tap, code) in [g, bar, g, bar].into_iter().enumerate() {
+        for (tap, code) in [h, bar, h, bar].into_iter().enumerate() {
             let at = now + tap as u32 * 100 * MS;
             assert_eq!(taps.key(press(code), at), None);
             assert!(!taps.is_held(at), "{tap}");
@@ -476,6 +487,11 @@ mod tests {
         let mut keyboard = keyboard(true);
         assert_eq!(keyboard.key(press(KeyCode::Char('-')), now), Some(Key::Finer));
         assert_eq!(keyboard.key(press(KeyCode::Char('+')), now), Some(Key::Coarser));
+        // the same where + is above =, as kitty's protocol tells it
+        let shift = press(KeyCode::Modifier(ModifierKeyCode::LeftShift));
+        assert_eq!(keyboard.key(shift, now), None);
+        let shifted = KeyEvent::new(KeyCode::Char('='), KeyModifiers::SHIFT);
+        assert_eq!(keyboard.key(shifted, now), Some(Key::Coarser));
         let _ = keyboard.key(press(KeyCode::Char(' ')), now);
         assert_eq!(keyboard.key(press(KeyCode::Char('-')), now), Some(Key::Stop), "held: any other key");
         let mut scale = ScaleShare::FULL;

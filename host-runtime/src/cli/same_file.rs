@@ -2,14 +2,19 @@
 //! it is read, or while it is.
 
 use crate::exit::Failure;
-use std::fs;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::{fmt, fs};
 
 /// So many links are followed, as Linux does.
 const MOST_LINKS: usize = 40;
 
 /// What results that go to a folder end with there.
 const RESULTS: [&str; 2] = ["csv", "json"];
+
+/// What is read of a folder of pictures: what ends with these, and the times.
+const PICTURES: [&str; 3] = ["png", "jpg", "jpeg"];
+const TIMES: &str = "timestamps.csv";
 
 /// A file that is read, and what a message calls it.
 #[derive(Clone, Copy, Debug)]
@@ -31,16 +36,20 @@ impl<'a> Input<'a> {
     }
 }
 
-/// Refuses an output that is one of the inputs; `flag` names it.
+/// Refuses an output that is one of the inputs, or is read where one of them is a folder; `flag` names it.
 pub(super) fn refuse<'a>(
     flag: &str,
     out: &Path,
     inputs: impl IntoIterator<Item = Input<'a>>,
 ) -> Result<(), Failure> {
-    match inputs.into_iter().find(|input| same_file(out, input.path)) {
-        Some(input) => Err(refused(flag, out, input)),
-        None => Ok(()),
+    for input in inputs {
+        refuse_one(flag, out, input)?;
+        if is_read_in(input.path, out) {
+            let (what, folder) = (input.what, input.path.display());
+            return Err(refused(flag, out, format_args!("is read with {what} {folder}")));
+        }
     }
+    Ok(())
 }
 
 /// Refuses a folder for results where a name that they may have leads to one of the inputs.
@@ -53,13 +62,34 @@ pub(super) fn refuse_in<'a>(
     let there = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let named =
         |path: &PathBuf| path.extension().is_some_and(|end| RESULTS.iter().any(|known| end == *known));
-    there.filter(named).try_for_each(|out| refuse(flag, &out, inputs.clone()))
+    // none of them is called as the times of a folder of pictures: results may lie beside those
+    there
+        .filter(named)
+        .try_for_each(|out| inputs.clone().into_iter().try_for_each(|input| refuse_one(flag, &out, input)))
 }
 
-fn refused(flag: &str, out: &Path, Input { what, path }: Input<'_>) -> Failure {
-    let (out, path) = (out.display(), path.display());
-    Failure::bad_arguments(format!("{flag} {out} and {what} {path} are the same file"))
+fn refuse_one(flag: &str, out: &Path, Input { what, path }: Input<'_>) -> Result<(), Failure> {
+    if same_file(out, path) {
+        return Err(refused(flag, out, format_args!("and {what} {} are the same file", path.display())));
+    }
+    Ok(())
+}
+
+fn refused(flag: &str, out: &Path, why: fmt::Arguments<'_>) -> Failure {
+    Failure::bad_arguments(format!("{flag} {} {why}", out.display()))
         .help(format!("give another file or folder to {flag}: what is there would be lost"))
+}
+
+/// Whether a file that is there is one of those that are read where a folder of pictures is an input.
+fn is_read_in(folder: &Path, out: &Path) -> bool {
+    let Some(known) = identity(out) else { return false };
+    let is_read = |path: &PathBuf| {
+        let is_picture = |end: &OsStr| PICTURES.iter().any(|read| end.eq_ignore_ascii_case(read));
+        path.extension().is_some_and(is_picture) || path.file_name().is_some_and(|name| name == TIMES)
+    };
+    // what is no folder has nothing in it
+    let there = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    there.filter(is_read).any(|path| identity(&path).as_ref() == Some(&known))
 }
 
 /// Whether two paths lead to one file, which need not be there yet.
@@ -127,6 +157,27 @@ mod tests {
         assert!(same_file(&at("a"), &at("d/softer")));
         assert!(same_file(&at("new"), &at("d/coming")) && !same_file(&at("a"), &at("d/coming")));
         assert!(!same_file(&at("a"), &at("round")));
+    }
+
+    #[test]
+    fn what_is_read_of_a_folder_is_an_input_too() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        fs::create_dir(at("left")).unwrap();
+        for name in ["left/1.PNG", "left/2.jpg", "left/timestamps.csv", "left/pose.csv"] {
+            fs::write(at(name), "there").unwrap();
+        }
+        fs::hard_link(at("left/2.jpg"), at("hard.mcap")).unwrap();
+        let left = at("left");
+        let inputs = [Input::new("--left", &left)];
+        for name in ["left/1.PNG", "left/../left/2.jpg", "left/timestamps.csv", "hard.mcap"] {
+            let message = refuse("--out", &at(name), inputs).unwrap_err().to_string();
+            assert!(message.contains(" is read with --left "), "{message}");
+        }
+        for name in ["left/pose.csv", "left/3.png", "new.mcap"] {
+            refuse("--out", &at(name), inputs).unwrap();
+        }
+        refuse_in("--out", &left, inputs).unwrap();
     }
 
     #[test]

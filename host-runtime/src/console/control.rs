@@ -235,7 +235,9 @@ impl Control {
         }
         let holder = self.holder_mut(tab, now_us).ok_or(Refusal::NotInControl)?;
         holder.heard_us = now_us;
-        if self.is_pressed(now_us) {
+        // a silence within a press is no release
+        let goes_on = |press: &Press| now_us.saturating_sub(press.told_us) <= HICCUP_US;
+        if holder.press.as_ref().is_some_and(goes_on) {
             return Err(Refusal::Held);
         }
         self.scale = scale;

@@ -60,8 +60,11 @@ fn seconds(us: u64) -> f64 {
 }
 
 fn of_loop(text: &mut Text, snapshot: &Snapshot, now_us: u64) {
-    let age_s = seconds(now_us.saturating_sub(snapshot.time_us));
-    text.gauge("tetrad_snapshot_age_seconds", "since the operator's loop has told anything", age_s);
+    // what a loop that hangs told last grows older with it
+    let silent_us = now_us.saturating_sub(snapshot.time_us);
+    let age_s = move |age_us: u64| seconds(age_us.saturating_add(silent_us));
+    let help = "since the operator's loop has told anything";
+    text.gauge("tetrad_snapshot_age_seconds", help, seconds(silent_us));
     text.counter("tetrad_snapshots_total", "what the operator's loop has told", snapshot.sequence);
     text.gauge("tetrad_engaged_share", "share of the time in which the arm followed", snapshot.engaged_share);
     if let Some(arm) = &snapshot.arm {
@@ -69,13 +72,13 @@ fn of_loop(text: &mut Text, snapshot: &Snapshot, now_us: u64) {
         for state in STATES {
             text.labelled("tetrad_arm_state", &[("state", state)], u8::from(arm.state == state));
         }
-        text.gauge("tetrad_arm_state_age_seconds", "since the arm's state came", seconds(arm.age_us));
+        text.gauge("tetrad_arm_state_age_seconds", "since the arm's state came", age_s(arm.age_us));
         text.gauge("tetrad_arm_limits", "limits that keep the arm from following", arm.limits.len());
     }
     text.family("tetrad_camera_age_seconds", "since a camera's observations came", "gauge");
     for camera in &snapshot.cameras {
         if let Some(age_us) = camera.age_us {
-            text.labelled("tetrad_camera_age_seconds", &[("camera", &camera.name)], seconds(age_us));
+            text.labelled("tetrad_camera_age_seconds", &[("camera", &camera.name)], age_s(age_us));
         }
     }
     text.family("tetrad_ball_visible", "share of a ball's rim that is seen", "gauge");
@@ -85,7 +88,7 @@ fn of_loop(text: &mut Text, snapshot: &Snapshot, now_us: u64) {
             text.labelled("tetrad_ball_visible", &labels, ball.visible);
         }
     }
-    of_links(text, &snapshot.links);
+    of_links(text, &snapshot.links, age_s);
     text.family("tetrad_delay_seconds", "how long a stage takes", "summary");
     for delay in &snapshot.delays {
         for (quantile, ms) in [("0.5", delay.p50_ms), ("0.99", delay.p99_ms)] {
@@ -96,15 +99,13 @@ fn of_loop(text: &mut Text, snapshot: &Snapshot, now_us: u64) {
     }
 }
 
-/// What of a link is a family of its own: its name, what it is, its kind, and the value where there is one.
+/// What of a link, beside its age, is a family of its own: its name, what it is, its kind, and the value
+/// where there is one.
 type OfLink = (&'static str, &'static str, &'static str, fn(&LinkView) -> Option<f64>);
 
-const LINKS: [OfLink; 8] = [
+const LINKS: [OfLink; 7] = [
     ("tetrad_link_connected", "whether a station is there", "gauge", |link| {
         Some(f64::from(u8::from(link.connected)))
-    }),
-    ("tetrad_link_age_seconds", "since anything that counts was heard of a station", "gauge", |link| {
-        link.age_us.map(seconds)
     }),
     (
         "tetrad_link_sent_packets_total",
@@ -127,7 +128,15 @@ const LINKS: [OfLink; 8] = [
     }),
 ];
 
-fn of_links(text: &mut Text, links: &[LinkView]) {
+/// `age_s` is the age now of what was so old when it was told.
+fn of_links(text: &mut Text, links: &[LinkView], age_s: impl Fn(u64) -> f64) {
+    let help = "since anything that counts was heard of a station";
+    text.family("tetrad_link_age_seconds", help, "gauge");
+    for link in links {
+        if let Some(age_us) = link.age_us {
+            text.labelled("tetrad_link_age_seconds", &[("station", &link.name)], age_s(age_us));
+        }
+    }
     for (name, help, kind, value) in LINKS {
         text.family(name, help, kind);
         for link in links {

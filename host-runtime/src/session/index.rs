@@ -8,6 +8,7 @@ use super::configuration::Beginning;
 use super::error::SessionError;
 use super::reader::{HEAD, Reader, compressed, damaged};
 use super::topic::Topic;
+use crate::regular_file;
 use mcap::parse_record;
 use mcap::records::{Record, op};
 use std::borrow::Cow;
@@ -332,7 +333,7 @@ impl Lookup {
     pub fn open(path: &Path) -> Result<Self, SessionError> {
         let reader = Reader::open(path)?;
         let read = |cause| SessionError::Read { path: path.to_owned(), cause };
-        let file = File::open(path).map_err(read)?;
+        let file = regular_file::open(path).map_err(read)?;
         let length = file.metadata().map_err(read)?.len();
         Self::of(&reader, file, length)
     }

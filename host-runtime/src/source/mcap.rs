@@ -6,10 +6,10 @@
 //! says so.
 
 use super::{DEFAULT_FPS, Frame, Gap, Labels, Source, SourceError, SourceInfo, View};
+use crate::regular_file;
 use crate::session::schema::foxglove::RawImage;
 use crate::session::schema::tetrad::Chain;
 use crate::session::{Reader, SessionError, Topic, picture_view};
-use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
@@ -122,7 +122,7 @@ impl Source for McapSource {
 
 /// Whether the file was finished.
 fn ends_whole(path: &Path) -> io::Result<bool> {
-    let mut file = File::open(path)?;
+    let mut file = regular_file::open(path)?;
     let mut end = [0; MAGIC.len()];
     if file.metadata()?.len() < end.len() as u64 {
         return Ok(false);

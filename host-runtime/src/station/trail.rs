@@ -6,7 +6,7 @@
 use super::following::{Closeness, Following, Truth};
 use super::slave::Cycle;
 use std::collections::VecDeque;
-use tetrad_core::arm::teleop::{Note, State};
+use tetrad_core::arm::teleop::{Note, Order};
 use tetrad_core::config::{TeleopConfig, Turning};
 use tetrad_core::geometry::Pose;
 use tetrad_core::hand::state::PoseState;
@@ -66,12 +66,12 @@ impl Trail {
         self.hand.push_back((seconds(captured_us), (pose.rotation.map(f64::from), place)));
     }
 
-    /// A cycle was done at `now_us`.
+    /// A cycle was done at `now_us`. It counts where the arm follows the hand as far as its own scale has it: neither
+    /// on the way home, nor by a share of the scale, in whose lengths the hand's places are not kept.
     pub fn cycle(&mut self, cycle: &Cycle, now_us: u64) {
         let decision = &cycle.step.decision;
-        let Some(measured) = cycle.step.measured.filter(|_| decision.status.state() == State::Engaged) else {
-            return;
-        };
+        let follows = matches!(decision.order, Order::Follow(_)) && decision.scale == self.law.scale;
+        let Some(measured) = cycle.step.measured.filter(|_| follows) else { return };
         let tool = (measured.rotation, measured.translation);
         let latched = decision.notes.contains(Note::Latched) || decision.notes.contains(Note::HandJumped);
         if let Some((newest_s, hand)) = self.hand.back().filter(|_| latched) {

@@ -25,6 +25,7 @@ pub(crate) const DESK: (u32, u32) = (1280, 720);
 
 /// Buttons of the mouse, as WebDriver counts them.
 pub(crate) const LEFT: u8 = 0;
+pub(crate) const MIDDLE: u8 = 1;
 pub(crate) const RIGHT: u8 = 2;
 
 /// The space bar.
@@ -33,6 +34,7 @@ pub(crate) const SPACE: &str = " ";
 /// Keys without a character, as WebDriver writes them (section 17.4.2).
 pub(crate) const TAB: &str = "\u{e004}";
 pub(crate) const ENTER: &str = "\u{e007}";
+pub(crate) const ALT: &str = "\u{e00a}";
 pub(crate) const ESCAPE: &str = "\u{e00c}";
 
 /// A browser with one window, in a profile of its own.

@@ -26,15 +26,28 @@ pub(crate) fn take(browser: &Browser) {
 /// Resets and holds the space bar until the arm moves; it stays down.
 #[track_caller]
 pub(crate) fn hold(browser: &Browser, witness: &Witness) {
+    let moves = |limit| witness.sees_motion(limit);
+    press(browser, witness, || browser.key_down(SPACE), || browser.key_up(SPACE), moves);
+}
+
+/// Resets and presses something until that comes of it in the time it is given; what is pressed stays down.
+#[track_caller]
+pub(crate) fn press(
+    browser: &Browser,
+    witness: &Witness,
+    down: impl Fn(),
+    up: impl Fn(),
+    so: impl Fn(Duration) -> bool,
+) {
     let began = Instant::now();
     loop {
         reset(browser, witness);
-        browser.key_down(SPACE);
-        if witness.sees_motion(AGAIN) {
+        down();
+        if so(AGAIN) {
             return;
         }
-        browser.key_up(SPACE);
-        assert!(began.elapsed() < LONG, "the arm does not move:\n{}", browser.text("body"));
+        up();
+        assert!(began.elapsed() < LONG, "nothing comes of the press:\n{}", browser.text("body"));
     }
 }
 
@@ -72,6 +85,24 @@ pub(crate) fn stays_stopped(witness: &Witness) {
         }
         assert!(began.elapsed() < LONG, "the arm goes on");
     }
+}
+
+/// Has the page count how often it tells that a button is held, from now on.
+pub(crate) fn count_holds(browser: &Browser) {
+    browser.script(
+        "window.holdsTold = 0;
+         const send = WebSocket.prototype.send;
+         WebSocket.prototype.send = function (data) {
+           if (JSON.parse(data).type === 'hold') window.holdsTold += 1;
+           return send.call(this, data);
+         };",
+    );
+}
+
+/// How often it has.
+#[track_caller]
+pub(crate) fn holds_told(browser: &Browser) -> u64 {
+    browser.script("return window.holdsTold").as_u64().expect("a page that counts")
 }
 
 /// Has the page write down when an event comes first, before anything else hears of it.

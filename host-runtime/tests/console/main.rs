@@ -12,6 +12,7 @@ mod driver;
 mod eyes;
 mod holding;
 mod late;
+mod line_clock;
 mod others;
 mod pages;
 mod program;

@@ -2,7 +2,7 @@
 //! it, light and dark, are left to be looked at.
 
 use super::browser::{Browser, DESK, ENTER, ESCAPE, SPACE, TAB};
-use super::driver::{reset, take_control};
+use super::driver::{A_WHILE, reset, take_control};
 use super::program::Program;
 use super::turn;
 use super::witness::Witness;
@@ -57,16 +57,23 @@ fn stop_comes_first_and_is_reached_by_keyboard_on_every_page() {
     let program = Program::operator();
     let witness = Witness::of(program.address());
     for path in pages(&browser, &program) {
-        for key in [ENTER, SPACE, ESCAPE] {
+        for key in [ENTER, SPACE, ESCAPE, "s"] {
             // in control, so that the stop can be reset and seen again
             take_control(&browser, &program.url("/drive"));
             reset(&browser, &witness);
             browser.tap("g");
             browser.go(&program.url(&path));
             browser.until("document.getElementById('link').textContent === 'connected'");
-            if key != ESCAPE {
-                browser.tap(TAB);
-                assert_eq!(browser.script("return document.activeElement.id"), "stop", "{path}");
+            match key {
+                ESCAPE => {}
+                // also in a list and in a number's field: no letter is text there
+                "s" => {
+                    browser.script("document.querySelector('select, input[type=number]')?.focus()");
+                }
+                _ => {
+                    browser.tap(TAB);
+                    assert_eq!(browser.script("return document.activeElement.id"), "stop", "{path}");
+                }
             }
             browser.tap(key);
             witness.until("the stop", |live| live["control"]["stopped"] == true);
@@ -83,6 +90,20 @@ fn stop_comes_first_and_is_reached_by_keyboard_on_every_page() {
             "{path}: STOP is always there to be hit"
         );
     }
+
+    // at the place of S another letter is another button's, and one that is not Latin stops
+    take_control(&browser, &program.url("/drive"));
+    reset(&browser, &witness);
+    let at_s = |key: char| {
+        browser.script(&format!(
+            "document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: '{key}', code: 'KeyS', bubbles: true}}))"
+        ))
+    };
+    let stopped = |live: &Value| live["control"]["stopped"] == true;
+    at_s('r');
+    assert!(witness.within(A_WHILE, stopped).is_err(), "R stops");
+    at_s('\u{44b}');
+    witness.until("the stop", stopped);
 }
 
 #[test]

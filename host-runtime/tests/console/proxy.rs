@@ -19,6 +19,7 @@ const ON_THE_WAY: usize = 2048;
 /// Passes on whatever comes, both ways.
 pub(crate) struct Proxy {
     address: SocketAddr,
+    console: Arc<Mutex<SocketAddr>>,
     line: Arc<Line>,
 }
 
@@ -40,15 +41,17 @@ impl Proxy {
     pub(crate) fn to(console: SocketAddr) -> Self {
         let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a port");
         let address = listener.local_addr().expect("an address");
+        let console = Arc::new(Mutex::new(console));
         let line = Arc::new(Line::default());
-        let passing = Arc::clone(&line);
+        let (leads_to, passing) = (Arc::clone(&console), Arc::clone(&line));
         std::thread::spawn(move || {
             for browser in listener.incoming().map_while(Result::ok) {
                 if passing.cut.load(Ordering::Relaxed) {
                     continue;
                 }
                 // a console that has ended is a browser's connection that ends
-                let Ok(console) = TcpStream::connect(console) else { continue };
+                let to = *leads_to.lock().expect("no panic");
+                let Ok(console) = TcpStream::connect(to) else { continue };
                 let path = Arc::new(Mutex::new(String::new()));
                 for (from, to, asks) in [(&browser, &console, true), (&console, &browser, false)] {
                     let (from, to) = (from.try_clone().expect("a socket"), to.try_clone().expect("a socket"));
@@ -60,7 +63,12 @@ impl Proxy {
                 passing.open.lock().expect("no panic").extend([browser, console]);
             }
         });
-        Self { address, line }
+        Self { address, console, line }
+    }
+
+    /// Who connects from now on gets to another console.
+    pub(crate) fn lead_to(&self, console: SocketAddr) {
+        *self.console.lock().expect("no panic") = console;
     }
 
     /// The address of a page, through this line.

@@ -17,8 +17,8 @@ const ARRIVED_ROUNDINGS: f64 = 256.0;
 /// The same where the arm cannot go to the goal itself, radians, in [`Real::SLACK`].
 const NEAREST_SLACKS: f64 = 10.0;
 
-/// A straight way on which the tool goes at less than this share of its speed for so many cycles is
-/// taken for barred.
+/// A straight way on which the tool goes at less than this share of its speed, or of what it has on the way home, for
+/// so many cycles is taken for barred.
 const STALLED_SHARE: f64 = 0.02;
 const STALLED_CYCLES: u16 = 100;
 
@@ -73,7 +73,7 @@ impl<T: Real> Governor<T> {
             passages: self.passages(),
         };
         let paced = self.pace.along(&way, &stance, led, limits);
-        self.watch(&way, paced.share);
+        self.watch(&way, paced.share / self.pace.most(led));
         let forbidden = self.turn_to(&paced.speeds);
         forbidden.iter().for_each(|limit| limits.add(*limit));
         self.come_to_rest(goal, &way, &jacobian);

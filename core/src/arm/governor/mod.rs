@@ -201,6 +201,14 @@ impl<T: Real> Governor<T> {
         self.home.as_ref()
     }
 
+    /// Where the arm was first started is not known any more: its joints were not where it said. Home that is set
+    /// stays.
+    pub const fn forget_home(&mut self) {
+        if self.config.home_rad.is_none() {
+            self.home = None;
+        }
+    }
+
     /// Begins at rest where the arm is. Joints that are a little outside their range may then come
     /// back and not go farther out.
     ///
@@ -276,7 +284,7 @@ impl<T: Real> Governor<T> {
             limits.add(Limit::Stopping);
         }
         let change = self.arrive();
-        let at_home = at_rest && self.home.is_some_and(|home| is_home(&home, &self.pose));
+        let at_home = at_rest && self.home.is_some_and(|home| is_home(&self.nearest(&home), &self.pose));
         Governed {
             set_point: self.set_point(),
             pose: self.pose,
@@ -287,6 +295,12 @@ impl<T: Real> Governor<T> {
             at_rest,
             at_home,
         }
+    }
+
+    /// Where the tool comes to that is to go there: an arm may be started a little outside of its workspace.
+    fn nearest(&self, goal: &Pose<T>) -> Pose<T> {
+        let mut limits = Limits::NONE;
+        self.edges.admit(goal, &mut limits).unwrap_or(*goal)
     }
 }
 

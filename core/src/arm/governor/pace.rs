@@ -126,6 +126,14 @@ impl<T: Real> Pace<T> {
         }
     }
 
+    /// The most of its speed that the tool has, whatever else slows it.
+    pub(super) fn most(&self, led: Led<'_, T>) -> T {
+        match led {
+            Led::ByHand(_) => T::one(),
+            Led::Home => self.home_share,
+        }
+    }
+
     /// The speeds of the joints along the way.
     pub(super) fn along(
         &self,

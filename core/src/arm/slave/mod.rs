@@ -212,6 +212,9 @@ impl<T: Real> Slave<T> {
     /// The arm as the law is told of it. A port that has become ready is started at; one that is not
     /// any more is forgotten.
     fn view(&mut self, now_us: u64, reading: &ArmReading<T>) -> ArmView<T> {
+        if reading.status == PortStatus::NotHomed {
+            self.governor.forget_home();
+        }
         let joints = reading.joints.map(|reading| reading.joints);
         let measured = joints.map_or_else(Pose::identity, |joints| self.arm.forward(&joints));
         let condition = match (reading.status.condition(), &reading.joints) {

@@ -191,7 +191,8 @@ impl<T: Real> Teleop<T> {
         }
         let newest = Newest::read(command);
         self.newest = Some(newest);
-        if !command.engaged {
+        // the way home is the button's alone
+        if !command.engaged && self.press_for == PressFor::Follow {
             self.release();
         }
         let motion = newest.motion.map_err(|bad| {
@@ -433,10 +434,12 @@ impl<T: Real> Teleop<T> {
         }
     }
 
-    /// Whether the button is pressed and no fresh command says that the hand is not engaged. Where
-    /// there is no fresh command the press is taken, and held.
+    /// Whether the button is pressed, and no fresh command says that the hand that it would have the arm follow
+    /// is not engaged. Where there is no fresh command the press is taken, and held.
     fn is_pressed(&self) -> bool {
-        let clutched = self.command_is_fresh() && self.newest.is_some_and(|newest| !newest.engaged);
+        let clutched = self.press_for == PressFor::Follow
+            && self.command_is_fresh()
+            && self.newest.is_some_and(|newest| !newest.engaged);
         self.button_is_fresh() && self.button.is_pressed() && !clutched
     }
 

@@ -318,7 +318,7 @@ impl Notes {
         Note::ALL.into_iter().filter(move |note| self.contains(*note))
     }
 
-    pub(in crate::arm) const fn add(&mut self, note: Note) {
+    pub(crate) const fn add(&mut self, note: Note) {
         self.0 |= note.bit();
     }
 }

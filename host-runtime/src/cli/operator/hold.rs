@@ -60,7 +60,7 @@ impl Hold {
     pub(super) const fn usage(&self) -> &'static str {
         match self {
             Self::Keyboard { .. } => {
-                "r resets, hold the space bar to move, g to go home, - and + for the scale, any other key stops, q ends"
+                "r resets, hold the space bar to move, h to go home, - and + for the scale, any other key stops, q ends"
             }
             Self::Console(_) => "the buttons are in the console; Ctrl-C ends",
             Self::Always { .. } => {

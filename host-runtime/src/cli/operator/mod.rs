@@ -27,11 +27,16 @@ use super::same_file::{self, Input};
 use super::{make_dir, note, say, tell_aside};
 use crate::console::{Console, ConsoleError, Desk, SetUp, ViewKind};
 use crate::exit::{Exit, Failure, OrExit as _};
+use crate::link::authority::KeyFiles;
 use crate::link::{Doorbell, Link};
 use crate::output::ArmRecord;
+use crate::robot::canopen::CanopenAddress;
 use crate::robot::clock::Clock;
+use crate::robot::{RobotAddress, RobotKind};
+use crate::settings::Start;
 use crate::settings::station::{
-    ConsoleSettings, NetworkSettings, OperatorSettings, SlavePlace, SlaveSettings, StationSettings,
+    CameraStart, ConsoleSettings, HandCamera, LocalCamera, NetworkSettings, OperatorSettings, SceneCamera,
+    SlavePlace, SlaveSettings, StationSettings,
 };
 use crate::station::Operator;
 use crate::station::operator::OperatorConfig;
@@ -57,7 +62,7 @@ Examples:
     tetrad operator --config tetrad.toml --hold-to-run console
 
 On the terminal: r resets (after the start, a stop or a fault), the space bar moves the arm while it is
-held, g brings it home while that is held, - and + let the hand lead less far or farther, any other key stops it at
+held, h brings it home while that is held, - and + let the hand lead less far or farther, any other key stops it at
 once, q ends the program.
 
 With --out, DIR gets pose.csv and filtered.csv (the hand), arm_state.csv (what the slave says),
@@ -226,12 +231,36 @@ impl Order<'_> {
     /// A session is not recorded over what the run is made of.
     fn refuse_own_files(&self) -> Result<(), Failure> {
         let Some(record) = self.record else { return Ok(()) };
-        let file = self.station.map(|station| Input::new("--config", &station.file));
-        let cameras = self.operator.cameras.iter().flat_map(|camera| {
-            let colours = camera.colours.as_deref().map(|file| Input::new("the colours", file));
-            Input::source("[[operator.camera]] source", &camera.source).into_iter().chain(colours)
-        });
-        same_file::refuse("--record", record, file.into_iter().chain(cameras))
+        let keys: Vec<PathBuf> = self.network.map(key_files).into_iter().flatten().collect();
+        let keys = keys.iter().map(|file| Input::new("[station] keys", file));
+        same_file::refuse("--record", record, self.inputs().into_iter().chain(keys))
+    }
+
+    /// What the run reads beside the link's keys, by the paths that it is opened by.
+    fn inputs(&self) -> Vec<Input<'_>> {
+        let mut inputs = Vec::new();
+        if let Some(station) = self.station {
+            inputs.push(Input::new("--config", &station.file));
+            // not opened here, but its colours are read with the file
+            if let Some(own) = &station.camera {
+                inputs.extend(camera_files("[camera] source", &own.camera, own.colours.as_deref()));
+            }
+        }
+        for camera in &self.operator.cameras {
+            let key = "[[operator.camera]] source";
+            match &camera.place {
+                HandCamera::Local(local) => {
+                    inputs.extend(camera_files(key, local, camera.colours.as_deref()));
+                }
+                HandCamera::Serial { device, .. } => inputs.push(Input::new(key, device)),
+                HandCamera::Station(_) => {}
+            }
+        }
+        inputs.extend(self.console.into_iter().flat_map(console_files));
+        if self.operator.slave == SlavePlace::Here {
+            inputs.extend(slave_files(self.slave));
+        }
+        inputs
     }
 
     /// The console, with a view for each camera.
@@ -255,6 +284,55 @@ impl Order<'_> {
         })?;
         Ok(Some((console, desk)))
     }
+}
+
+/// A camera of this computer: its source, which `key` names, and what its balls are first known by.
+fn camera_files<'a>(
+    key: &'a str,
+    local: &'a LocalCamera,
+    colours: Option<&'a Path>,
+) -> impl Iterator<Item = Input<'a>> {
+    let scene = match &local.start {
+        CameraStart::Given(Start::Seeds { file, .. }) => Some(Input::new("the scene", Path::new(file))),
+        CameraStart::Given(Start::Colours(_)) | CameraStart::OfScene => None,
+    };
+    let colours = colours.map(|file| Input::new("the colours", file));
+    Input::source(key, &local.source).into_iter().chain(scene).chain(colours)
+}
+
+/// What lets into the console.
+fn console_files(console: &ConsoleSettings) -> impl Iterator<Item = Input<'_>> {
+    let tls = console.tls.as_ref();
+    let files = [
+        ("[console] token_file", console.token_file.as_deref()),
+        ("[console] certificate", tls.map(|tls| tls.certificate.as_path())),
+        ("[console] key", tls.map(|tls| tls.key.as_path())),
+    ];
+    files.into_iter().filter_map(|(key, file)| Some(Input::new(key, file?)))
+}
+
+/// A slave of this computer: where its arm is, which a session must not be written to either, and what looks
+/// at its scene.
+fn slave_files(slave: &SlaveSettings) -> impl Iterator<Item = Input<'_>> {
+    let port = match slave.arm.port.as_ref().map(RobotAddress::kind) {
+        Some(RobotKind::DryRun(file)) => Some(file.as_path()),
+        Some(RobotKind::Val2(place)) => place.split('?').next().map(Path::new),
+        Some(RobotKind::Canopen(CanopenAddress::Slcan { path, .. })) => Some(Path::new(path)),
+        Some(RobotKind::Canopen(CanopenAddress::Interface(_)) | RobotKind::Simulated(_)) | None => None,
+    };
+    let cameras = slave.cameras.iter().filter_map(|camera| match &camera.place {
+        SceneCamera::Source(source) => Input::source("[[slave.camera]] source", source),
+        SceneCamera::SimulatedArm => None,
+    });
+    port.map(|file| Input::new("[slave] port", file)).into_iter().chain(cameras)
+}
+
+/// What says who this station is, and the authority's key where it was left beside it: nothing is worse to
+/// lose.
+fn key_files(network: &NetworkSettings) -> [PathBuf; 4] {
+    let own = KeyFiles::of_station(&network.keys, &network.name);
+    let authority = KeyFiles::of_authority(&network.keys);
+    [own.certificate, own.key, authority.certificate, authority.key]
 }
 
 /// The folder that a file lies in.

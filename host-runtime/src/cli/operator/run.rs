@@ -11,6 +11,7 @@ use super::session;
 use super::slave::SlaveLine;
 use super::talk::{SILENT_US, SLAVE, Talk};
 use crate::cli::interrupt::Interrupt;
+use crate::cli::keyboard::scale_words;
 use crate::cli::memory::resident_kb;
 use crate::console::{Console, Desk};
 use crate::exit::{Exit, Failure};
@@ -147,11 +148,11 @@ impl Run {
             self.print(if self.parts.slave.confirm_homed() {
                 "the arm is told that its joints are homed"
             } else {
-                "whether its joints are homed is for somebody at the arm to say: h at the slave's terminal"
+                "whether its joints are homed is for somebody at the arm to say: c at the slave's terminal"
             });
         }
         if let Wish::Scaled(scale) = wish {
-            self.print(&format!("the next press follows by {} % of the slave's scale", scale.percent()));
+            self.print(&scale_words(scale));
         }
         let mut came = Vec::new();
         for (at, camera) in self.parts.cameras.0.iter_mut().enumerate() {

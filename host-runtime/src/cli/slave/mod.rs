@@ -47,9 +47,9 @@ Examples:
 
 On the terminal: r resets (after the start, a stop or a fault), the space bar moves the arm while it is
 held (from its first repeat on, and most terminals tell 0.1 to 0.2 s late that it was let go; a kitty-like
-one tells both at once), g brings it home while that is held, - and + let the hand lead less far or farther, any other
+one tells both at once), h brings it home while that is held, - and + let the hand lead less far or farther, any other
 key stops it at once, q ends the program. Where drives cannot tell that their joints are homed
-(homing = 'confirm'), h says so. At a station's terminal any key stops the arm, h and q are as above, and
+(homing = 'confirm'), c says so. At a station's terminal any key stops the arm, c and q are as above, and
 it is the operator who resets and holds hold-to-run.
 
 URL is sim: (a simulated PUMA 560), dry-run:FILE (set-points into a CSV file), val2:/dev/ttyUSB0 (a

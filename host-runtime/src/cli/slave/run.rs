@@ -7,7 +7,7 @@ use super::ending;
 use super::packets::{Losses, Next, Packets};
 use super::talk::Talk;
 use crate::cli::interrupt::Interrupt;
-use crate::cli::keyboard::{Key, Keyboard, next_scale, went_away};
+use crate::cli::keyboard::{Key, Keyboard, next_scale, scale_words, went_away};
 use crate::cli::note;
 use crate::exit::{Exit, Failure};
 use crate::output::ArmRecord;
@@ -100,7 +100,7 @@ impl Run {
     pub(super) fn usage(&self) -> &'static str {
         match self.keyboard {
             Some(_) => {
-                "r resets, hold the space bar to move, g to go home, - and + for the scale, any other key stops, q ends"
+                "r resets, hold the space bar to move, h to go home, - and + for the scale, any other key stops, q ends"
             }
             None => "the packets hold the button",
         }
@@ -151,6 +151,7 @@ impl Run {
             self.station.hold_to_run(pressed, now_us);
             return Ok(false);
         };
+        let mut scaled = false;
         loop {
             match keyboard.next() {
                 Ok(Some(Key::Quit)) => return Ok(true),
@@ -159,7 +160,10 @@ impl Run {
                     self.reset = None;
                 }
                 Ok(Some(Key::Homed)) => self.station.confirm_homed(),
-                Ok(Some(key @ (Key::Finer | Key::Coarser))) => self.scale = next_scale(self.scale, key),
+                Ok(Some(key @ (Key::Finer | Key::Coarser))) => {
+                    self.scale = next_scale(self.scale, key);
+                    scaled = true;
+                }
                 Ok(Some(Key::Reset)) => self.reset = Some(Resetting::asked(now_us)),
                 Ok(None) => break,
                 Err(cause) => {
@@ -171,6 +175,9 @@ impl Run {
         let held = keyboard.is_held(now);
         self.station.press_is_for(keyboard.held_for(), self.scale);
         self.station.hold_to_run(held, now_us);
+        if scaled {
+            self.print(&scale_words(self.scale));
+        }
         Ok(false)
     }
 

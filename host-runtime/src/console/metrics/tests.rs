@@ -2,7 +2,7 @@ use super::*;
 use crate::console::app::app;
 use crate::console::control::Tab;
 use crate::console::desk::Desk;
-use crate::console::snapshot::CameraView;
+use crate::console::snapshot::{ArmView, CameraView};
 use crate::console::{Access, ViewKind};
 use crate::link::clock::ClockEstimate;
 use crate::link::{Doorbell, LinkStats};
@@ -10,14 +10,23 @@ use crate::robot::clock::Clock;
 use axum::body::{Body, to_bytes};
 use axum::http::Request;
 use std::collections::BTreeSet;
+use tetrad_core::wire::{ArmReason, ArmState};
+use tetrad_fixtures::packets;
 use tower::ServiceExt as _;
 
-/// What a monitor reads of this.
+/// What a monitor reads of this as soon as it is told.
 async fn read(snapshot: Snapshot) -> String {
+    read_at(snapshot, 0).await
+}
+
+/// What it reads at this time.
+async fn read_at(snapshot: Snapshot, now_us: u64) -> String {
     let views = vec![("left".to_owned(), ViewKind::Hand)];
-    let desk = Desk::new(true, views, Clock::given(), Doorbell::default());
+    let clock = Clock::given();
+    clock.set(now_us);
+    let desk = Desk::new(true, views, clock, Doorbell::default());
     desk.publish(snapshot);
-    desk.control().take(Tab(1), "a", 0).unwrap();
+    desk.control().take(Tab(1), "a", now_us).unwrap();
     let request = Request::builder().uri("/metrics").header("host", "localhost").body(Body::empty()).unwrap();
     let answer = app(desk, Access::loopback(), None).oneshot(request).await.unwrap();
     assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; version=0.0.4; charset=utf-8");
@@ -92,6 +101,32 @@ async fn a_link_is_told_with_its_age_loss_way_and_clock() {
     for unknown in ["clock_offset_seconds{station=\"right\"}", "round_trip_seconds{station=\"slave\"}"] {
         assert!(!metrics.contains(unknown), "{unknown} in\n{metrics}");
     }
+}
+
+/// A loop that hangs tells nothing new: what it told last would else stay fresh for ever.
+#[tokio::test]
+async fn ages_go_on_while_the_loop_tells_nothing() {
+    let camera = |name: &str, age_us| CameraView { name: name.to_owned(), age_us, ..CameraView::default() };
+    let arm = packets::arm_state(ArmState::Hold, ArmReason::None);
+    let told = Snapshot {
+        time_us: 5_000_000,
+        cameras: vec![camera("left", Some(20_000)), camera("right", None)],
+        arm: Some(ArmView::of(&arm, 4_970_000, 5_000_000)),
+        links: vec![link("slave", None)],
+        ..Snapshot::default()
+    };
+    let metrics = read_at(told, 8_000_000).await;
+    has(
+        &metrics,
+        &[
+            "tetrad_snapshot_age_seconds 3",
+            "tetrad_arm_state_age_seconds 3.03",
+            "tetrad_camera_age_seconds{camera=\"left\"} 3.02",
+            "tetrad_link_age_seconds{station=\"slave\"} 3.02",
+        ],
+    );
+    let unknown = "tetrad_camera_age_seconds{camera=\"right\"}";
+    assert!(!metrics.contains(unknown), "one that was never heard has no age:\n{metrics}");
 }
 
 /// Every sample is a number of a family that was told of before it, once.

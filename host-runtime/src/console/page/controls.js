@@ -14,6 +14,8 @@ const SCALES = [2, 5, 10, 25, 50, 100];
 
 // STOP, for one, has the focus once it was clicked.
 const SPACE_ELSEWHERE = " The space bar is now for what has the focus: M gives it to the arm.";
+const SPACE_TO_MOVE = " Hold the space bar to move the arm.";
+const SPACE_FOR_HOME = " The space bar is now for the way home: M gives it to moving.";
 
 export class Controls {
   #live;
@@ -47,7 +49,7 @@ export class Controls {
       if (event.repeat || event.ctrlKey || event.altKey || event.metaKey || isTyping(event)) return;
       // what has keys of its own has prevented what they are for elsewhere
       if (event.defaultPrevented) return;
-      keys[event.key.toLowerCase()]?.();
+      keys[event.key?.toLowerCase()]?.();
     });
     // who is in control and silent for three seconds is not any more
     setInterval(() => {
@@ -89,9 +91,16 @@ export class Controls {
     document.body.classList.toggle("stopped", control.stopped);
     // that somebody has stopped the arm is more than why a press did not count
     const stopped = control.yours && control.stopped;
-    const elsewhere = control.yours && !held && !this.#hold.hasKeys;
-    const words = standing(control, held, this.#hold.isForHome) + (elsewhere ? SPACE_ELSEWHERE : "");
+    const words = standing(control, held, this.#hold.isForHome) + this.#spaceBar(control, held);
     write(find("control"), (!stopped && this.#message) || words);
+  }
+
+  // What the space bar is for.
+  #spaceBar(control, held) {
+    if (!control.yours || held) return "";
+    if (!this.#hold.hasKeys) return SPACE_ELSEWHERE;
+    if (this.#hold.hasSpaceForHome) return SPACE_FOR_HOME;
+    return control.stopped ? "" : SPACE_TO_MOVE;
   }
 
   #take() {
@@ -135,5 +144,5 @@ function standing(control, held, forHome) {
   if (!control.yours) return `${control.holder} is in control. STOP works from here too.`;
   if (held && !control.pressed) return "Held, but not in time: the arm does not move.";
   if (held) return forHome ? "You hold the button for the way home." : "You hold the button.";
-  return "You are in control. Hold the space bar to move the arm; letting go is the clutch.";
+  return "You are in control; letting go is the clutch.";
 }

@@ -2,9 +2,10 @@
 // hand, one to have it go home.
 //
 // Whatever is doubtful lets go: the key up, the pointer lifted or lost, another of the mouse's buttons with it,
-// the focus elsewhere, the window without focus, the tab hidden, the page left, the socket lost, a refusal, and the
-// other of the two. A press that has ended does not come back: the key has to be let go and pressed anew. Keys that
-// repeat press nothing.
+// the focus elsewhere, the window without focus, the tab hidden, the page left, the socket lost, a refusal, the other
+// of the two, a key like Alt or Meta, which changes what others are, and what may keep a key's way up from the page:
+// the browser's menu, or something that is dragged. A press that has ended does not come back: the key has to be let
+// go and pressed anew. Keys that repeat press nothing.
 //
 // Keys are the arm's while the focus is on one of the two buttons or nowhere. Elsewhere they belong to what has the
 // focus, as on every page: on STOP the space bar stops.
@@ -15,7 +16,9 @@ const TELL_MS = 30;
 const MAIN = 1;
 
 const isSpace = (event) => event.code === "Space";
-const isH = (event) => event.key.toLowerCase() === "h";
+// no key at all is told by what fills in forms
+const isH = (event) => event.key?.toLowerCase() === "h";
+const CHANGE_KEYS = ["Alt", "AltGraph", "Control", "Meta", "OS"];
 
 export class Hold extends EventTarget {
   #live;
@@ -26,8 +29,9 @@ export class Hold extends EventTarget {
   #timer = null;
   // the button that is held, by whatever
   #held = null;
-  // the pointer that holds it
+  // the pointer that holds it, or the key that went down for it
   #pointer = null;
+  #code = null;
   // whether the space bar went down for the arm
   #spaceIsOurs = false;
 
@@ -45,6 +49,9 @@ export class Hold extends EventTarget {
     addEventListener("blur", () => this.end());
     addEventListener("pagehide", () => this.end());
     document.addEventListener("visibilitychange", () => this.end());
+    // wherever, and whatever else hears of it
+    document.addEventListener("contextmenu", (event) => this.#menu(event), { capture: true });
+    document.addEventListener("dragstart", () => this.end(), { capture: true });
     live.addEventListener("lost", () => this.end());
     live.addEventListener("refused", (event) => {
       if (event.detail.what === "hold") this.end();
@@ -65,7 +72,12 @@ export class Hold extends EventTarget {
     return this.#isOurs(document.activeElement);
   }
 
-  // Gives the space bar to the arm, whatever had it.
+  // Whether the space bar would hold it to go home.
+  get hasSpaceForHome() {
+    return document.activeElement === this.#home;
+  }
+
+  // Gives the space bar to the arm, to move it with the hand, whatever had it.
   takeFocus() {
     this.#focus(this.#move);
   }
@@ -74,9 +86,13 @@ export class Hold extends EventTarget {
     if (!this.isHeld) return;
     clearInterval(this.#timer);
     this.#timer = null;
+    const pointed = this.#pointer !== null;
     this.#held = null;
     this.#pointer = null;
+    this.#code = null;
     this.letGo();
+    // whoever has held the way home by hand has not chosen it for the space bar
+    if (pointed && this.hasSpaceForHome) this.takeFocus();
     this.dispatchEvent(new Event("change"));
   }
 
@@ -116,16 +132,19 @@ export class Hold extends EventTarget {
     button.addEventListener("pointerdown", (event) => this.#point(event, button));
     // further buttons of a mouse that has one down, and all but the last that go up, are told as moves
     button.addEventListener("pointermove", (event) => {
-      if (event.pointerId === this.#pointer?.id && !(event.buttons & MAIN)) this.end();
+      if (event.pointerId === this.#pointer?.id && event.buttons !== MAIN) this.end();
     });
     for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
       button.addEventListener(end, () => this.end());
     }
-    button.addEventListener("contextmenu", (event) => {
-      event.preventDefault();
-      // a finger or pen that stays where it is asks for it too, and only holds the button
-      if (this.#pointer?.type === "mouse") this.end();
-    });
+    // there is none for a button that is held
+    button.addEventListener("contextmenu", (event) => event.preventDefault());
+  }
+
+  // A finger or pen that stays where it is asks for a menu too, and only holds the button.
+  #menu(event) {
+    const touched = this.#pointer !== null && this.#pointer.type !== "mouse";
+    if (!touched || !event.composedPath().includes(this.#held)) this.end();
   }
 
   #point(event, button) {
@@ -138,9 +157,10 @@ export class Hold extends EventTarget {
   }
 
   #key(event, down) {
+    // up is up, wherever it is heard, and whatever the key is called by then
+    if (!down && (isSpace(event) || isH(event) || event.code === this.#code)) this.end();
+    if (down && CHANGE_KEYS.includes(event.key)) this.end();
     if (!isSpace(event) && !isH(event)) return;
-    // up is up, wherever it is heard
-    if (!down) this.end();
     const fresh = down && !event.repeat;
     const ours = this.#isOurs(event.target);
     if (isSpace(event)) {
@@ -151,5 +171,6 @@ export class Hold extends EventTarget {
     if (!fresh || !ours || event.ctrlKey || event.altKey || event.metaKey) return;
     // on the button for the way home the space bar presses that one, as on every page
     this.#begin(isH(event) || event.target === this.#home ? this.#home : this.#move);
+    if (this.isHeld) this.#code ??= event.code;
   }
 }

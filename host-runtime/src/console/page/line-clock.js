@@ -7,11 +7,19 @@
 // Clocks drift apart by no more: 100 in a million, twice what quartzes are allowed.
 const DRIFT = 1e-4;
 
+// Bounds contradict each other by no more, milliseconds, because of the browser's timers, which are rounded (to 1 ms,
+// some), or of a clock that is being set right slowly.
+const HAIR_MS = 5;
+
+// What is so much later than now, milliseconds, and certainly so, is a time of another clock. That of a picture from
+// another station may be a little wrong.
+const LATER_MS = 100;
+
 export class LineClock {
   // operator's clock less this page's, milliseconds: at least, at most, and as of when
   #low = -Infinity;
   #high = Infinity;
-  #asOfMs = performance.now();
+  #asOfMs = 0;
 
   get isKnown() {
     return Number.isFinite(this.#low) && Number.isFinite(this.#high);
@@ -22,28 +30,29 @@ export class LineClock {
     this.#take(operatorUs / 1000 - cameMs, operatorUs / 1000 - sentMs, cameMs);
   }
 
-  // A message of the operator came now.
-  heard(operatorUs) {
-    const nowMs = performance.now();
-    this.#take(operatorUs / 1000 - nowMs, Infinity, nowMs);
+  // A message of the operator came.
+  heard(operatorUs, cameMs = performance.now()) {
+    this.#take(operatorUs / 1000 - cameMs, Infinity, cameMs);
   }
 
   // How long ago a time of the operator's clock was, milliseconds, give or take `within`; null where that is not
-  // known yet.
-  age(operatorUs) {
+  // known: not yet, or it is a time of the operator's clock before the last start.
+  age(operatorUs, nowMs = performance.now()) {
     if (!this.isKnown) return null;
-    const nowMs = performance.now();
     const drift = DRIFT * (nowMs - this.#asOfMs);
     const age = nowMs + (this.#low + this.#high) / 2 - operatorUs / 1000;
-    return { ms: Math.max(0, age), within: (this.#high - this.#low) / 2 + drift };
+    const within = (this.#high - this.#low) / 2 + drift;
+    return age < -(within + LATER_MS) ? null : { ms: Math.max(0, age), within };
   }
 
   #take(low, high, nowMs) {
     const drift = DRIFT * (nowMs - this.#asOfMs);
     this.#asOfMs = nowMs;
-    this.#low = Math.max(this.#low - drift, low);
-    this.#high = Math.min(this.#high + drift, high);
-    // one of the clocks has stood still, or the operator has another now: what was known is of no use
-    if (this.#low > this.#high) [this.#low, this.#high] = [low, high];
+    const least = Math.max(this.#low - drift, low);
+    const most = Math.min(this.#high + drift, high);
+    // bounds that miss each other by a hair hold what is between; by more, one of the clocks has stood still, or the
+    // operator has another now, and what was known is of no use
+    const agree = least - most <= HAIR_MS;
+    [this.#low, this.#high] = agree ? [Math.min(least, most), Math.max(least, most)] : [low, high];
   }
 }

@@ -18,9 +18,17 @@ export function ms(us) {
 
 export const inWords = (milliseconds) => ms(milliseconds * 1000);
 
-// Whether keys are letters for what has the focus; elsewhere they are buttons.
-export const isTyping = (event) =>
-  event.target.closest("textarea, select, input:not([type=radio], [type=checkbox], [type=range])") !== null;
+// What takes letters, and what has keys of its own beside those.
+const TEXT = "textarea, input:not([type=radio], [type=checkbox], [type=range], [type=file], [type=number])";
+const CHOICE = "select, input[type=number]";
+
+const isFor = (event, what) => Boolean(event.target.closest?.(what));
+
+// Whether letters are text for what has the focus.
+export const isWriting = (event) => isFor(event, TEXT);
+
+// Whether keys are for what has the focus; elsewhere they are buttons.
+export const isTyping = (event) => isFor(event, `${TEXT}, ${CHOICE}`);
 
 // Rows of a table's body; each a list of texts.
 export function rows(body, table) {

@@ -50,7 +50,8 @@ export class Pictures {
     const header = JSON.parse(new TextDecoder().decode(new Uint8Array(message, 4, length)));
     try {
       const picture = await createImageBitmap(new Blob([new Uint8Array(message, 4 + length)], { type: "image/jpeg" }));
-      this.#show(header.view, picture, header);
+      // one of a console that is gone meanwhile is of another clock
+      if (socket === this.#socket) this.#show(header.view, picture, header);
       picture.close();
     } finally {
       if (socket.readyState === WebSocket.OPEN) {
@@ -60,10 +61,17 @@ export class Pictures {
   }
 }
 
+// Of the times at which several pictures were taken, the one to judge them all by; null where one has not come, or there
+// are none.
+export function worstOf(takenUs, clock) {
+  if (!takenUs.length || takenUs.includes(null)) return null;
+  return takenUs.find((us) => clock.age(us) === null) ?? Math.min(...takenUs);
+}
+
 // How old a picture is that was taken at a time of the operator's clock, in words; its way to this page included.
 // One that may be too old counts as too old.
 export function ageWords(takenUs, clock) {
-  if (takenUs === null) return { stale: true, text: "no picture yet" };
+  if (takenUs === null) return { stale: true, text: "no new picture yet" };
   const age = clock.age(takenUs);
   if (age === null) return { stale: true, text: "age not known yet" };
   const stale = age.ms + age.within > STALE_MS;

@@ -202,7 +202,8 @@ function pause() {
 function play() {
   if (!session) return;
   if (playing) return pause();
-  const fromUs = Number(slider.value) >= session.length_us ? 0 : Number(slider.value);
+  // the slider's own steps may leave it a little before the end
+  const fromUs = at?.next_us === null || here() >= session.length_us ? 0 : here();
   playing = { fromUs, sinceMs: performance.now(), lastMs: -Infinity };
   write(find("play").firstChild, "Pause ");
   requestAnimationFrame(tick);
@@ -237,7 +238,7 @@ const KEYS = {
 
 addEventListener("keydown", (event) => {
   if (!session || event.ctrlKey || event.altKey || event.metaKey || isTyping(event)) return;
-  if (event.key.toLowerCase() === "p") return play();
+  if (event.key?.toLowerCase() === "p") return play();
   const to = KEYS[event.key];
   if (!to) return;
   // the slider's own steps are not frames

@@ -161,5 +161,5 @@ addEventListener("keydown", (event) => {
   if (event.repeat || event.ctrlKey || event.altKey || event.metaKey || isTyping(event)) return;
   const ball = BALLS[Number(event.key) - 1];
   if (ball) choose(ball);
-  else keys[event.key.toLowerCase()]?.();
+  else keys[event.key?.toLowerCase()]?.();
 });

@@ -3,7 +3,7 @@
 import { Controls } from "./controls.js";
 import { Live } from "./live.js";
 import { find, isTyping, watchLink, write } from "./page.js";
-import { ageWords, Pictures } from "./pictures.js";
+import { ageWords, Pictures, worstOf } from "./pictures.js";
 import { MODES, size, Stereo } from "./stereo.js";
 import { stopWith } from "./stop.js";
 
@@ -16,13 +16,14 @@ const controls = new Controls(live);
 const canvas = find("stage");
 const stereo = new Stereo(canvas);
 // when each eye's newest picture was taken, by the operator's clock
-const takenUs = [null, null];
+let takenUs = [];
 let pictures = null;
 
 live.addEventListener("hello", ({ detail }) => {
-  if (pictures) return;
   const eyes = detail.views.flatMap(({ kind }, view) => (kind === "eye" ? [view] : []));
-  pictures = new Pictures(eyes, (view, picture, header) => {
+  // a console that was started again has another clock, and the same eyes
+  takenUs = eyes.map(() => null);
+  pictures ??= new Pictures(eyes, (view, picture, header) => {
     const eye = eyes.indexOf(view);
     stereo.keep(eye, picture);
     takenUs[eye] = header.taken_us;
@@ -37,10 +38,9 @@ live.addEventListener("live", () => {
   write(find("standing"), arm ? [arm.standing, ...arm.limits].join("; ") : "not heard yet");
 });
 
-// What is shown is as old as the older eye's picture.
+// What is shown is as old as the older eye's picture, and not known where one eye's is not.
 setInterval(() => {
-  const known = takenUs.filter((taken) => taken !== null);
-  const { stale, text } = ageWords(known.length ? Math.min(...known) : null, live.clock);
+  const { stale, text } = ageWords(worstOf(takenUs, live.clock), live.clock);
   document.body.classList.toggle("stale", stale);
   write(find("stamp"), text);
 }, 100);
@@ -101,11 +101,11 @@ const keys = {
   arrowright: () => shift(find("shift").valueAsNumber + SHIFT_STEP),
 };
 addEventListener("keydown", (event) => {
-  const arrow = event.key.startsWith("Arrow");
+  const arrow = Boolean(event.key?.startsWith("Arrow"));
   // arrows are a radio button's and a slider's own
   if (event.ctrlKey || event.altKey || event.metaKey || isTyping(event) || (arrow && event.target.closest("input"))) return;
   if (event.repeat && !arrow) return;
-  keys[event.key.toLowerCase()]?.();
+  keys[event.key?.toLowerCase()]?.();
 });
 
 // Full screen. The browser keeps Esc for leaving it and tells the page of no key: so whoever leaves it in another

@@ -1,7 +1,10 @@
 // STOP: for everybody, always. Over the socket, and by a request of its own in case the socket is stuck. Gives
 // what the button does, for pages with other ways to ask for it.
 
-import { isTyping } from "./page.js";
+import { isWriting } from "./page.js";
+
+// By its letter; where the key at its place writes no Latin letter, by the place. (One that does may be another button's.)
+const isS = ({ key, code }) => key?.toLowerCase() === "s" || (code === "KeyS" && !/^[a-z]$/i.test(key));
 
 export function stopWith(live, button) {
   const stop = () => {
@@ -19,7 +22,7 @@ export function stopWith(live, button) {
     if (!event.repeat && (event.code === "Space" || event.key === "Enter")) stop();
   });
   addEventListener("keydown", (event) => {
-    if (event.key === "Escape" || (event.key.toLowerCase() === "s" && !isTyping(event) && !event.ctrlKey)) {
+    if (event.key === "Escape" || (isS(event) && !isWriting(event) && !event.ctrlKey)) {
       event.preventDefault();
       stop();
     }

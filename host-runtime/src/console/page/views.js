@@ -22,6 +22,10 @@ export class Views {
       draw(view.canvas, picture, header.balls);
       view.takenUs = header.taken_us;
     });
+    // a console that was started again has another clock, by which none of these was taken
+    live.addEventListener("hello", () => {
+      for (const view of this.#views.values()) view.takenUs = null;
+    });
     setInterval(() => this.#stamp(), 100);
   }
 

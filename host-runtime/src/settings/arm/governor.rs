@@ -104,7 +104,7 @@ fn explained(error: GovernorConfigError) -> (&'static str, String) {
         E::HomeOutside => {
             ("home_deg", "there the tool must be in the workspace; [workspace] has its corners")
         }
-        E::HomeSpeedShare => ("home_speed_share", "above 0 and at most 1 is needed"),
+        E::HomeSpeedShare => ("home_speed_share", "0.05 to 1 is needed"),
         E::SpeedShare => ("speed_share", "above 0 and at most 1 is needed"),
         E::ToolSpeed => ("max_tool_speed_mm_s", "above 0 and at most 10000 is needed"),
         E::Response => ("response_per_s", "0.1 to 100 is needed"),

@@ -147,7 +147,7 @@ fn values_that_cannot_be_are_named_by_table_and_key() {
     refused("[governor]\nlimit_margin_deg = nan\n", "[governor] limit_margin_deg: 0 to 57.29");
     refused("[governor]\ncreep_from_mm = 1\n", "[governor] full_speed_to_mm, creep_from_mm, ");
     refused("[governor]\nspeed_share = 2\n", "[governor] speed_share: above 0 and at most 1");
-    refused("[governor]\nhome_speed_share = 0\n", "[governor] home_speed_share: above 0 and at most 1");
+    refused("[governor]\nhome_speed_share = 0\n", "[governor] home_speed_share: 0.05 to 1");
     refused("[governor]\nhome_deg = [0, 45, -180, 0, nan, 0]\n", "[governor] home_deg: joint 5: an angle");
     refused("[governor]\nhome_deg = [0, 45, -180, 0, 45]\n", "home_deg");
     refused(

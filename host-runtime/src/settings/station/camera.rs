@@ -44,6 +44,8 @@ pub(in crate::settings) struct CameraToml {
 pub struct CameraSettings {
     /// Its camera.
     pub camera: LocalCamera,
+    /// The file of its colours, where it has one.
+    pub colours: Option<PathBuf>,
     /// Pictures a second that go with the observations, to be looked at; 0 for none.
     pub preview_fps: f64,
 }
@@ -76,7 +78,8 @@ impl CameraToml {
     /// `key` is the table's, for messages; `dir` where the file lies.
     pub(super) fn checked(&self, key: &str, dir: &Path) -> Result<CameraSettings, Problem> {
         let preview = within(&format!("{key} preview_fps"), self.preview_fps, 0.0..=60.0, " pictures/s")?;
-        Ok(CameraSettings { camera: self.local(key, dir)?, preview_fps: preview.unwrap_or(0.0) })
+        let (camera, colours) = (self.local(key, dir)?, self.colours(dir));
+        Ok(CameraSettings { camera, colours, preview_fps: preview.unwrap_or(0.0) })
     }
 
     /// The camera without what only a camera station has.

@@ -4,7 +4,7 @@ use tetrad_core::arm::port::{JointReading, PortStatus};
 use tetrad_core::arm::slave::{ArmReading, Slave};
 use tetrad_core::arm::teleop::Command;
 use tetrad_core::config::SlaveConfig;
-use tetrad_core::wire::Transform;
+use tetrad_core::wire::{PressFor, ScaleShare, Transform};
 use tetrad_fixtures::packets;
 
 const FRAME_US: u64 = 16_667;
@@ -21,8 +21,18 @@ fn motion(sequence: u32, captured_us: u64) -> MotionPacket {
     MotionPacket { capture_us: captured_us, ..packets::motion_to(1, sequence, hand(captured_us)) }
 }
 
+/// What is held at a time, if anything.
+type Press = Option<(PressFor, ScaleShare)>;
+
+const FOLLOW: Press = Some((PressFor::Follow, ScaleShare::FULL));
+
 /// An arm whose joints are where they are told to be follows the hand over a way of `way_us`.
 fn followed(seconds: u64, way_us: u64) -> Trail {
+    pressed(seconds, way_us, |_| FOLLOW)
+}
+
+/// The same with a button that is held now and then: `press` is told the seconds since the beginning.
+fn pressed(seconds: u64, way_us: u64, press: impl Fn(f64) -> Press) -> Trail {
     let config = SlaveConfig::default();
     let mut slave = Slave::<f64>::new(&config).unwrap();
     let mut joints = [0.0_f64, 45.0, -170.0, 5.0, 50.0, 0.0].map(f64::to_radians);
@@ -40,7 +50,11 @@ fn followed(seconds: u64, way_us: u64) -> Trail {
             trail.motion(&packet, Some(frame_us));
             (frame_us, sequence) = (frame_us + FRAME_US, sequence + 1);
         }
-        slave.hold_to_run(now_us > BEGINS_US + 100_000, now_us);
+        let press = press((now_us - BEGINS_US) as f64 * 1e-6).filter(|_| now_us > BEGINS_US + 100_000);
+        if let Some((press_for, scale)) = press {
+            slave.press_is_for(press_for, scale);
+        }
+        slave.hold_to_run(press.is_some(), now_us);
         let step = slave.step(now_us, &reading(joints));
         if let Some(governed) = &step.governed {
             joints = governed.set_point;
@@ -67,6 +81,21 @@ fn the_way_there_is_told_apart_from_what_is_left_beside_it() {
         assert!(close.rms_m < 1.5e-3 && close.turn_rms_rad < 1e-2, "{close:?}");
         assert!(close.behind_rms_m > 2.0 * close.rms_m, "{close:?}");
     }
+}
+
+#[test]
+fn what_does_not_follow_the_hand_as_it_is_is_no_error_of_following() {
+    let tenth = ScaleShare::from_percent(10).unwrap();
+    for other in [(PressFor::Home, ScaleShare::FULL), (PressFor::Follow, tenth)] {
+        let trail = pressed(20, 5_000, |t_s| match t_s {
+            0.0..8.0 | 15.0.. => FOLLOW,
+            9.0..14.0 => Some(other),
+            _ => None,
+        });
+        let close = trail.closeness().unwrap();
+        assert!(close.rms_m < 1.5e-3 && close.turn_rms_rad < 1e-2, "{other:?}: {close:?}");
+    }
+    assert_eq!(pressed(5, 5_000, |_| Some((PressFor::Home, ScaleShare::FULL))).line(), None);
 }
 
 #[test]

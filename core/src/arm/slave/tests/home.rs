@@ -46,6 +46,27 @@ fn the_arm_comes_home_while_the_button_is_held_and_says_so() {
     assert_eq!(report.notes >> 6, 0b11);
 }
 
+/// Somebody vouched for joints that were not homed; then they were.
+#[test]
+fn where_a_wrong_homing_began_is_not_home() {
+    let mut rig = Rig::<f64>::armed(&SlaveConfig::default());
+    let wrong = rig.tool();
+    rig.status = PortStatus::NotHomed;
+    rig.cycle();
+    rig.joints[0] += 0.3;
+    rig.status = PortStatus::Ready;
+    rig.release();
+    rig.run(100_000);
+    rig.reset().unwrap();
+    let home = rig.tool();
+    assert!((home.translation - wrong.translation).norm() > 0.05);
+    rig.slave.press_is_for(PressFor::Home, ScaleShare::FULL);
+    rig.press();
+    let step = rig.run(2_000_000);
+    assert!(step.decision.notes.contains(Note::AtHome));
+    assert!((rig.tool().translation - home.translation).norm() < 1e-6, "it stays");
+}
+
 #[test]
 fn a_home_that_cannot_be_worked_with_makes_no_slave() {
     let mut config = SlaveConfig::default();

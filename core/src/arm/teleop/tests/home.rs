@@ -132,3 +132,38 @@ fn a_stop_ends_the_way_home_and_it_takes_a_reset() {
     home(&mut rig, true);
     assert_eq!(rig.step().order, Order::Stop);
 }
+
+#[test]
+fn a_sender_that_is_not_engaged_neither_bars_the_way_home_nor_begins_it_again() {
+    let mut rig = rig();
+    // nobody has engaged the hand
+    for _ in 0..5 {
+        rig.frame();
+        rig.step();
+    }
+    home(&mut rig, true);
+    assert_eq!(rig.step().order, Order::Home);
+    // it is engaged, and let go, on the way
+    for engaged in [true, false, true] {
+        if engaged {
+            rig.sender.engage();
+        } else {
+            rig.sender.engaged = false;
+        }
+        rig.frame();
+        home(&mut rig, true);
+        assert_eq!(rig.step().order, Order::Home, "engaged: {engaged}");
+    }
+    // a press that has ended stays ended, whatever the sender does
+    rig.wait(600_000);
+    rig.step();
+    for engaged in [true, false, true, false] {
+        rig.sender.engaged = engaged;
+        rig.frame();
+        home(&mut rig, true);
+        assert_eq!(rig.step().order, Order::Stop, "engaged: {engaged}");
+    }
+    home(&mut rig, false);
+    home(&mut rig, true);
+    assert_eq!(rig.step().order, Order::Home);
+}
