@@ -56,7 +56,7 @@ fn a_bar_that_repeats_moves_the_arm_until_it_does_not() {
     assert!(!terminal.said().contains("arm engaged"), "{}", terminal.said());
     terminal.until("arm engaged", |terminal| terminal.strike(" "));
     terminal.until("hold-to-run", |_| {});
-    terminal.strike("hx");
+    terminal.strike("cx");
     terminal.until("the arm is told that its joints are homed", |_| {});
     terminal.until("stop was pressed", |_| {});
     terminal.strike("q");
