@@ -182,8 +182,8 @@ fn nothing_moves_before_a_reset_and_a_press_after_it() {
 }
 
 /// The operator's computer dies, the cable is cut, or the operator's motion stays away: the first cycle
-/// that stops is at most 100 ms after the last motion that came, by the slave's clock, and the one before
-/// it still followed.
+/// that stops is at most 100 ms after the last motion that came, by the slave's clock, and not much sooner
+/// than a late cycle needs.
 #[test]
 fn silence_stops_the_arm_within_100_ms_of_the_last_motion() {
     for cycle_us in [1_000, 4_000, 10_000] {
@@ -196,13 +196,35 @@ fn silence_stops_the_arm_within_100_ms_of_the_last_motion() {
                 let stopped_us = rig.stopped_us.unwrap() - rig.heard_us();
                 assert!(stopped_us <= 100_000, "{cycle_us}: {stopped_us}");
                 let followed_us = rig.followed_us - rig.heard_us();
-                assert!(followed_us + 2 * u64::from(cycle_us) > 100_000 - 1_000, "{cycle_us}: {followed_us}");
+                assert!(followed_us + 2 * u64::from(cycle_us) > 90_000 - 1_000, "{cycle_us}: {followed_us}");
                 assert_eq!(rig.told().reason, ArmReason::NoCommand);
                 assert!(rig.told().command_age_us().unwrap() >= 100_000);
                 // which a hold that lasts ends: it takes a release and a press
                 rig.run_ms(1_000);
                 assert_eq!(rig.state(), State::Armed);
             }
+        }
+    }
+}
+
+/// A computer that has something else to do runs one cycle late, whichever it is.
+#[test]
+fn a_cycle_that_comes_late_still_stops_within_100_ms() {
+    for cycle_us in [1_000, 10_000] {
+        for late_us in [3_000, 10_000] {
+            let mut met = 0;
+            for silent_ms in 60..100 {
+                let mut rig = Rig::new(cycle_us, [NONE; 2]).following();
+                rig.sends = (false, false);
+                rig.run_ms(silent_ms);
+                let on_time_us = rig.cycle_due_us;
+                rig.cycle_due_us += late_us;
+                rig.run_ms(60);
+                let stopped_us = rig.stopped_us.unwrap() - rig.heard_us();
+                assert!(stopped_us <= 100_000, "{cycle_us}, {late_us} late: {stopped_us}");
+                met += usize::from(rig.stopped_us == Some(on_time_us + late_us));
+            }
+            assert!(met > 0, "{cycle_us}, {late_us} late: one of them was the cycle that stops");
         }
     }
 }
