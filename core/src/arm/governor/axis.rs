@@ -68,6 +68,15 @@ impl<T: Real> Bounds<T> {
         if change < T::zero() { -size } else { size }
     }
 
+    /// A joint that brakes rests after so many cycles, however it moved: the acceleration that it has is turned round,
+    /// stays, and falls.
+    pub(super) fn cycles_to_rest(&self) -> u16 {
+        let stays = self.speed / (self.acceleration * self.cycle);
+        let turns = self.acceleration / self.jerk_cycle * T::of(3.0);
+        // saturating, as such a conversion is
+        (stays + turns).ceil().to_f64() as u16
+    }
+
     /// The change of speed that still comes about while an acceleration falls to 0 by the largest jerk.
     fn still_to_come(&self, acceleration: T) -> T {
         let size = acceleration.abs();

@@ -1,7 +1,7 @@
 //! One cycle towards a goal: which way, how fast, and when it is given up for another.
 
 use super::Governor;
-use super::axis::Axis;
+use super::axis::{Axis, Bounds};
 use super::detour::{Around, Detour};
 use super::limits::{JointNumber, Limit, Limits};
 use super::pace::{Led, Stance};
@@ -79,6 +79,17 @@ impl<T: Real> Governor<T> {
         self.come_to_rest(goal, &way, &jacobian);
         self.go_round(goal, &way, paced.at_face || forbidden == Some(Limit::WorkspaceEdge));
         paced.share
+    }
+
+    /// Nobody asks for a goal any more. A way by the joints that the arm was on has ended with that: whoever asks next
+    /// does so for where the arm is then, and a posture that it was on its way to swings nothing on under a hand that
+    /// is still.
+    pub(super) fn let_go(&mut self) {
+        if self.by_joints {
+            self.braking = self.bounds.iter().map(Bounds::cycles_to_rest).max().unwrap_or(0);
+        }
+        self.stop();
+        self.rest.end();
     }
 
     /// What is done where the arm has come to rest short of its goal: the next way to it, if there is

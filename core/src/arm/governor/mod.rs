@@ -120,6 +120,9 @@ pub struct Governor<T> {
     /// to go, where a passage might lead to where there is no way back from.
     barred: bool,
     stalled: u16,
+    /// For so many cycles yet the arm brakes from a way by the joints that was let go, and keeps the posture that
+    /// braking brings it to.
+    braking: u16,
 }
 
 impl<T: Real> Governor<T> {
@@ -173,6 +176,7 @@ impl<T: Real> Governor<T> {
             rest: Rest::new(config),
             barred: false,
             stalled: 0,
+            braking: 0,
         })
     }
 
@@ -246,6 +250,7 @@ impl<T: Real> Governor<T> {
         self.rest.end();
         self.barred = false;
         self.stalled = 0;
+        self.braking = 0;
         Ok(())
     }
 
@@ -262,8 +267,7 @@ impl<T: Real> Governor<T> {
         };
         let (verdict, speed_share) = match wished {
             None => {
-                self.stop();
-                self.rest.end();
+                self.let_go();
                 (Verdict::Pass, T::zero())
             }
             Some((goal, led)) => match self.edges.admit(&goal, &mut limits) {

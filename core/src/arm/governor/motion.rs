@@ -121,6 +121,10 @@ impl<T: Real> Governor<T> {
         if passages.shoulder {
             self.posture.shoulder = to.shoulder;
         }
+        if self.braking > 0 {
+            self.braking -= 1;
+            self.posture = to;
+        }
         let kind = if self.by_joints { ChangeKind::Jump } else { ChangeKind::Passage };
         (from != to).then_some(Change { from, to, kind })
     }

@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::config::Workspace;
+use core::f64::consts::PI;
 use std::vec::Vec;
 
 /// What the arm is driven into.
@@ -224,5 +225,58 @@ fn who_rests_against_the_end_of_a_joint_is_not_turned_round() {
         }
         joints[5] = end - 0.3;
         assert!(arm.settle(&arm.arm.forward(&joints), 1e-9, 1_000).is_some());
+    }
+}
+
+/// An arm whose wrist was turned over since its start, and where it started: joint 4 has no room to go back there so.
+fn turned_over<T: Real>() -> (Checked<T>, Pose<T>) {
+    let first = [0.3, 1.9, -2.6, 1.0, 0.9, -0.5];
+    let over = [0.3, 1.9, -2.6, 1.5 - PI, -0.9, -0.5 + PI];
+    let mut arm = Checked::<T>::new(&GovernorConfig::default(), &over);
+    let first = first.map(T::of);
+    arm.governor.first_joints = first;
+    arm.governor.first_posture = arm.arm.configuration(&first);
+    let home = arm.arm.forward(&first);
+    (arm, home)
+}
+
+/// Let go amid the way back, and pressed again whether the arm rests already or not: a hand that is still leaves the
+/// arm where braking took it, and may be followed home all the same.
+fn let_go_amid_the_way_back<T: Real>(swung: f64, stopped: u64, exact: f64) {
+    let (mut arm, home) = turned_over::<T>();
+    let began = double(&arm.governor.set_point());
+    let swings = (0..2_000).any(|_| {
+        let at = double(&arm.follow(&home).set_point);
+        (at[4] - began[4]).abs() > swung
+    });
+    assert!(swings, "the wrist turns over again");
+    for _ in 0..stopped {
+        arm.step(&Order::Stop);
+    }
+    let (goal, pressed) = (*arm.governor.pose(), double(&arm.governor.set_point()));
+    let mut braking = arm.governor;
+    while !braking.step(&Order::Stop, None).at_rest {}
+    // back from there it swings as far at most
+    let most = 0.1 + 2.0 * farthest(&double(&braking.set_point()), &pressed);
+    for _ in 0..1_000 {
+        let off = farthest(&double(&arm.follow(&goal).set_point), &pressed);
+        assert!(off < most, "{swung}, {stopped}: a joint went {off} rad of {most}");
+    }
+    let off = arm.off(&goal);
+    assert!(off.0 < exact && off.1 < exact, "{swung}, {stopped}: {off:?} from there");
+    assert!((0..4_000).any(|_| arm.follow(&home).at_rest && arm.off(&home).1 < exact), "and comes home");
+}
+
+fn farthest(a: &Joints<f64>, b: &Joints<f64>) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn what_is_let_go_amid_the_way_back_does_not_swing_on() {
+    for swung in [0.1, 0.4, 0.8, 1.0, 1.4] {
+        for stopped in [1, 3, 10, 200] {
+            let_go_amid_the_way_back::<f64>(swung, stopped, 1e-9);
+            let_go_amid_the_way_back::<f32>(swung, stopped, 1e-3);
+        }
     }
 }
