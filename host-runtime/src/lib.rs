@@ -43,6 +43,7 @@ pub mod exit;
 pub mod filter_quality;
 pub mod learning;
 pub mod link;
+mod locked;
 pub mod output;
 pub mod pipeline;
 mod regular_file;

@@ -174,6 +174,12 @@ fn tell_console(console: &ConsoleSettings) {
     let whom = if console.listen.ip().is_loopback() { "for this computer alone" } else { "over TLS" };
     let token = if console.token_file.is_some() { ", with a token" } else { "" };
     row("console", format_args!("at {}, {whom}{token}", console.listen));
+    let mut known = vec!["its addresses".to_owned()];
+    known.extend(console.names.iter().cloned());
+    known.extend(console.tls.iter().map(|_| "what its certificate is made out to".to_owned()));
+    if !console.listen.ip().is_loopback() {
+        row("", format_args!("known as {}", known.join(", ")));
+    }
 }
 
 fn tell_slave(slave: &SlaveSettings, here: bool) {

@@ -1,41 +1,31 @@
 //! The operator's terminal: the space bar as hold-to-run (h for the way home), and a stop that is always there.
 //! Letters are those of the console's pages, where both have one.
 //!
-//! A terminal tells that a key is down only by repeating it, and most tell nothing when it is let go. So
-//! the bar counts as held from its first repeat on, and after each repeat for twice as long as the
-//! repeats lately were apart, [`LONGEST_GAP`] at most: a mere tap moves nothing, and a release is known
-//! soon. Terminals that do tell (kitty's protocol) are believed at once, both ways.
+//! How long a key counts as held, which a terminal hardly tells, is [`held`]'s.
 //!
 //! What is struck is read on a thread of its own: reading a terminal that has gone away may never return,
 //! and an arm's cycles may not wait for it. Whether it has gone is asked of the system beside that.
 
+mod held;
+
 use crate::exit::{Exit, Failure};
+use crate::locked::lock;
+use crate::station::operator::SCALES;
 use crossterm::event::{
     self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers, KeyboardEnhancementFlags,
     PopKeyboardEnhancementFlags, PushKeyboardEnhancementFlags,
 };
 use crossterm::{execute, terminal};
+use held::Held;
 use rustix::event::{PollFd, PollFlags, Timespec};
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{self, IsTerminal as _};
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 use tetrad_core::wire::{PressFor, ScaleShare};
-
-/// Longer than the slowest usual delay before a key repeats (660 ms under X11).
-const FIRST_REPEAT: Duration = Duration::from_millis(700);
-
-/// Two repeats of the slowest usual rate (10.9 a second on a Linux console).
-const LONGEST_GAP: Duration = Duration::from_millis(200);
-
-/// Two repeats of the fastest usual rate (30 a second), and what a busy computer may hold one up.
-const SHORTEST_GAP: Duration = Duration::from_millis(80);
-
-/// So many gaps between repeats tell how far apart they are.
-const GAPS: usize = 4;
 
 /// What has been struck waits in a queue of so many keys. Nobody strikes as many between two looks; what
 /// does is no hand on the keys, and stops the arm.
@@ -60,9 +50,6 @@ pub(in crate::cli) enum Key {
     Quit,
 }
 
-/// The shares of the scale that keys step through, percent.
-const SCALES: [u8; 6] = [2, 5, 10, 25, 50, 100];
-
 /// The next smaller share of the scale, or the next larger one; the last stays.
 pub(in crate::cli) fn next_scale(scale: ScaleShare, key: Key) -> ScaleShare {
     let percent = scale.percent();
@@ -76,56 +63,6 @@ pub(in crate::cli) fn next_scale(scale: ScaleShare, key: Key) -> ScaleShare {
 /// What the operator is told of it.
 pub(in crate::cli) fn scale_words(scale: ScaleShare) -> String {
     format!("the next press follows by {} % of the slave's scale", scale.percent())
-}
-
-/// How long the space bar counts as held.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Held {
-    /// The terminal tells when it is let go.
-    tells_releases: bool,
-    struck: Option<Instant>,
-    /// The last gaps between its repeats, the newest first.
-    gaps: [Option<Duration>; GAPS],
-    until: Option<Instant>,
-}
-
-impl Held {
-    fn strike(&mut self, now: Instant) {
-        if self.until.is_some_and(|until| now >= until) {
-            // it was let go meanwhile
-            self.let_go();
-        }
-        let gap = self.struck.replace(now).map(|before| now.saturating_duration_since(before));
-        let repeated = self.is_held(now);
-        self.until = match gap {
-            Some(gap) if repeated => {
-                self.gaps.rotate_right(1);
-                self.gaps[0] = Some(gap);
-                Some(now + self.next_repeat())
-            }
-            // the first repeat
-            Some(gap) if gap < FIRST_REPEAT && !self.tells_releases => Some(now + LONGEST_GAP),
-            // a first strike, which may be a mere tap where nobody tells of its end
-            _ => self.tells_releases.then(|| now + FIRST_REPEAT),
-        };
-    }
-
-    /// How long to wait for the next repeat.
-    fn next_repeat(&self) -> Duration {
-        let known = self.gaps.iter().flatten();
-        // where a release is told, nothing has to be guessed from the gaps
-        let guess = !self.tells_releases && !self.gaps.contains(&None);
-        let largest = if guess { known.max() } else { None };
-        largest.map_or(LONGEST_GAP, |gap| (*gap * 2).clamp(SHORTEST_GAP, LONGEST_GAP))
-    }
-
-    const fn let_go(&mut self) {
-        *self = Self { tells_releases: self.tells_releases, struck: None, gaps: [None; GAPS], until: None };
-    }
-
-    fn is_held(&self, now: Instant) -> bool {
-        self.until.is_some_and(|until| now < until)
-    }
 }
 
 /// A terminal in raw mode; it is itself again when this is dropped.
@@ -158,8 +95,7 @@ struct Struck {
 
 impl Reader {
     fn desk(&self) -> MutexGuard<'_, Struck> {
-        // plain data: whoever panicked with the lock left it whole
-        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.desk)
     }
 
     fn read(&self) {
@@ -212,8 +148,13 @@ impl Keyboard {
     }
 
     fn of(terminal: OwnedFd, tells_releases: bool) -> Self {
-        let held = Held { tells_releases, ..Held::default() };
-        Self { held, held_for: PressFor::Follow, struck: false, reader: Arc::default(), terminal }
+        Self {
+            held: Held::new(tells_releases),
+            held_for: PressFor::Follow,
+            struck: false,
+            reader: Arc::default(),
+            terminal,
+        }
     }
 
     /// The next thing that the operator did since the last call; `None` when there is nothing left.
@@ -338,7 +279,7 @@ impl Drop for Keyboard {
         // it is not waited for: at a terminal that has gone it may never return
         self.reader.end.store(true, Ordering::Relaxed);
         // the terminal may be gone already; there is nobody left to tell
-        if self.held.tells_releases {
+        if self.held.tells_releases() {
             let _ = execute!(io::stderr(), PopKeyboardEnhancementFlags);
         }
         let _ = terminal::disable_raw_mode();

@@ -13,6 +13,9 @@ use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
+use rustls::client::verify_server_name;
+use rustls::pki_types::{CertificateDer, ServerName};
+use rustls::server::ParsedCertificate;
 use std::fmt;
 use std::net::IpAddr;
 use std::sync::atomic::Ordering;
@@ -93,6 +96,8 @@ pub struct Access {
     pub tls: bool,
     /// Names beside addresses that the console is known by, lower case.
     pub names: Vec<String>,
+    /// What it shows to browsers: under its names it is known too.
+    pub certificate: Option<CertificateDer<'static>>,
     /// What has to be shown.
     pub token: Option<Token>,
 }
@@ -123,7 +128,7 @@ impl Access {
     /// This computer alone, without a token.
     #[must_use]
     pub const fn loopback() -> Self {
-        Self { loopback: true, tls: false, names: Vec::new(), token: None }
+        Self { loopback: true, tls: false, names: Vec::new(), certificate: None, token: None }
     }
 
     fn check(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<Trust, Refused> {
@@ -170,8 +175,16 @@ impl Access {
         let address = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
         match address {
             Ok(address) => !self.loopback || address.is_loopback(),
-            Err(_) => name == "localhost" || self.names.contains(&name),
+            Err(_) => name == "localhost" || self.names.contains(&name) || self.is_certified(&name),
         }
+    }
+
+    /// Whether its certificate is made out to this name, so that browsers would believe it there.
+    fn is_certified(&self, name: &str) -> bool {
+        let Some(certificate) = &self.certificate else { return false };
+        let Ok(name) = ServerName::try_from(name) else { return false };
+        ParsedCertificate::try_from(certificate)
+            .is_ok_and(|certificate| verify_server_name(&certificate, &name).is_ok())
     }
 }
 

@@ -6,11 +6,12 @@ use super::control::{Control, Refusal, Tab};
 use super::setup::SetUp;
 use super::snapshot::{BallView, Snapshot};
 use crate::link::Doorbell;
+use crate::locked::lock;
 use crate::robot::clock::Clock;
 use crate::station::operator::Buttons;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
 use tetrad_core::hand::affine::Arms;
 use tokio::sync::watch;
 
@@ -299,9 +300,4 @@ impl Drop for Seat {
     fn drop(&mut self) {
         self.desk.with_control(|control, _| control.leave(self.tab));
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // plain data: whoever panicked with the lock left it whole
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

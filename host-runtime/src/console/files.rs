@@ -65,6 +65,8 @@ pub(crate) struct Files {
     pub(super) token: Option<Token>,
     /// What a TLS server needs.
     pub(super) tls: Option<Arc<ServerConfig>>,
+    /// The certificate that it shows.
+    pub(super) certificate: Option<CertificateDer<'static>>,
 }
 
 impl Files {
@@ -79,8 +81,8 @@ impl Files {
             return Err(FilesError::Sessions(file.to_owned()));
         }
         let token = settings.token_file.as_deref().map(token).transpose()?;
-        let tls = settings.tls.as_ref().map(server).transpose()?;
-        Ok(Self { token, tls })
+        let (tls, certificate) = settings.tls.as_ref().map(server).transpose()?.unzip();
+        Ok(Self { token, tls, certificate })
     }
 }
 
@@ -89,8 +91,8 @@ fn token(file: &Path) -> Result<Token, FilesError> {
     Token::parse(&text).map_err(|bad| FilesError::Token(file.to_owned(), bad))
 }
 
-/// Of PEM files.
-fn server(files: &ConsoleTls) -> Result<Arc<ServerConfig>, FilesError> {
+/// Of PEM files: what serves, and the certificate that it shows, which stands first in its file.
+fn server(files: &ConsoleTls) -> Result<(Arc<ServerConfig>, CertificateDer<'static>), FilesError> {
     let ConsoleTls { certificate, key } = files;
     let read = |key, path: &Path| {
         text_file::read(path).map_err(|cause| FilesError::Unreadable { key, path: path.to_owned(), cause })
@@ -98,9 +100,8 @@ fn server(files: &ConsoleTls) -> Result<Arc<ServerConfig>, FilesError> {
     let wrong = |key, path: &Path, cause| FilesError::Pem { key, path: path.to_owned(), cause };
     let text = read("certificate", certificate)?;
     let chain = CertificateDer::pem_slice_iter(text.as_bytes()).collect::<Result<Vec<_>, _>>();
-    let chain =
-        chain.and_then(|chain| if chain.is_empty() { Err(pem::Error::NoItemsFound) } else { Ok(chain) });
-    let chain = chain.map_err(|cause| wrong("certificate", certificate, cause))?;
+    let chain = chain.and_then(|chain| Ok((chain.first().cloned().ok_or(pem::Error::NoItemsFound)?, chain)));
+    let (own, chain) = chain.map_err(|cause| wrong("certificate", certificate, cause))?;
     let text = read("key", key)?;
     let secret = PrivateKeyDer::from_pem_slice(text.as_bytes()).map_err(|cause| wrong("key", key, cause))?;
     let config = ServerConfig::builder_with_provider(Arc::new(ring::default_provider()))
@@ -112,7 +113,7 @@ fn server(files: &ConsoleTls) -> Result<Arc<ServerConfig>, FilesError> {
         cause,
     })?;
     config.alpn_protocols = vec![b"http/1.1".to_vec()];
-    Ok(Arc::new(config))
+    Ok((Arc::new(config), own))
 }
 
 #[cfg(test)]

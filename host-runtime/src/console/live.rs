@@ -7,6 +7,7 @@ use super::app::State;
 use super::control::{Control, ControlView};
 use super::desk::{Desk, Seat};
 use super::snapshot::Snapshot;
+use crate::station::operator::SCALES;
 use axum::extract::State as Of;
 use axum::extract::ws::{Message, Utf8Bytes, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
@@ -77,10 +78,26 @@ enum Said {
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "kebab-case")]
 enum Told<'a> {
-    Hello { version: &'static str, page: u64, views: Vec<ViewTold<'a>> },
-    Live { now_us: u64, control: ControlView, snapshot: &'a Snapshot },
-    Refused { what: &'static str, why: String },
-    Echo { sent_us: u64, now_us: u64 },
+    Hello {
+        version: &'static str,
+        page: u64,
+        views: Vec<ViewTold<'a>>,
+        /// The shares of the slave's scale to choose from, percent.
+        scales: [u8; SCALES.len()],
+    },
+    Live {
+        now_us: u64,
+        control: ControlView,
+        snapshot: &'a Snapshot,
+    },
+    Refused {
+        what: &'static str,
+        why: String,
+    },
+    Echo {
+        sent_us: u64,
+        now_us: u64,
+    },
 }
 
 #[derive(Serialize)]
@@ -130,7 +147,8 @@ async fn write(
     seat: &Seat,
 ) {
     let views = desk.views().iter().map(|view| ViewTold { name: &view.name, kind: view.kind }).collect();
-    let mut next = text(&Told::Hello { version: env!("CARGO_PKG_VERSION"), page: seat.tab.0, views });
+    let version = env!("CARGO_PKG_VERSION");
+    let mut next = text(&Told::Hello { version, page: seat.tab.0, views, scales: SCALES });
     let mut tick = interval(TELL);
     tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {

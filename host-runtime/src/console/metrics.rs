@@ -1,7 +1,7 @@
 //! `/metrics` in Prometheus's text, and `/health`.
 
 use super::app::State;
-use super::snapshot::{LinkView, Snapshot};
+use super::snapshot::{DelayView, LinkView, Snapshot};
 use axum::extract::State as Of;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
@@ -68,9 +68,13 @@ fn of_loop(text: &mut Text, snapshot: &Snapshot, now_us: u64) {
     text.counter("tetrad_snapshots_total", "what the operator's loop has told", snapshot.sequence);
     text.gauge("tetrad_engaged_share", "share of the time in which the arm followed", snapshot.engaged_share);
     if let Some(arm) = &snapshot.arm {
-        text.family("tetrad_arm_state", "the state the arm is in", "gauge");
+        text.family("tetrad_arm_state", "the state the arm is in; none where it is silent", "gauge");
         for state in STATES {
-            text.labelled("tetrad_arm_state", &[("state", state)], u8::from(arm.state == state));
+            text.labelled(
+                "tetrad_arm_state",
+                &[("state", state)],
+                u8::from(!arm.silent && arm.state == state),
+            );
         }
         text.gauge("tetrad_arm_state_age_seconds", "since the arm's state came", age_s(arm.age_us));
         text.gauge("tetrad_arm_limits", "limits that keep the arm from following", arm.limits.len());
@@ -89,13 +93,16 @@ fn of_loop(text: &mut Text, snapshot: &Snapshot, now_us: u64) {
         }
     }
     of_links(text, &snapshot.links, age_s);
-    text.family("tetrad_delay_seconds", "how long a stage takes", "summary");
-    for delay in &snapshot.delays {
-        for (quantile, ms) in [("0.5", delay.p50_ms), ("0.99", delay.p99_ms)] {
-            let labels = [("stage", delay.stage), ("quantile", quantile)];
+    let help = "how long a stage takes: quantiles of about the last 10 s, the count since the start";
+    text.family("tetrad_delay_seconds", help, "summary");
+    for DelayView { stage, all, lately } in &snapshot.delays {
+        for (quantile, ms) in
+            lately.iter().flat_map(|lately| [("0.5", lately.p50_ms), ("0.99", lately.p99_ms)])
+        {
+            let labels = [("stage", *stage), ("quantile", quantile)];
             text.labelled("tetrad_delay_seconds", &labels, ms / 1e3);
         }
-        text.labelled("tetrad_delay_seconds_count", &[("stage", delay.stage)], delay.count);
+        text.labelled("tetrad_delay_seconds_count", &[("stage", *stage)], all.count);
     }
 }
 
@@ -116,7 +123,12 @@ const LINKS: [OfLink; 7] = [
     ("tetrad_link_lost_packets_total", "those of them that did not arrive", "counter", |link| {
         link.lost_packets.map(|packets| packets as f64)
     }),
-    ("tetrad_link_loss_ratio", "lost packets of those sent, 0 to 1", "gauge", |link| link.loss),
+    (
+        "tetrad_link_loss_ratio",
+        "lost packets of those sent in about the last 10 s, 0 to 1",
+        "gauge",
+        |link| link.loss_lately,
+    ),
     ("tetrad_link_round_trip_seconds", "the way to a station and back, smoothed", "gauge", |link| {
         link.round_trip_us.map(seconds)
     }),

@@ -75,11 +75,12 @@ impl Console {
     /// # Errors
     /// [`ConsoleError`]
     pub fn start(settings: &ConsoleSettings, desk: Desk) -> Result<Self, ConsoleError> {
-        let Files { token, tls } = Files::read(settings)?;
+        let Files { token, tls, certificate } = Files::read(settings)?;
         let access = Access {
             loopback: settings.listen.ip().is_loopback(),
             tls: tls.is_some(),
             names: settings.names.clone(),
+            certificate,
             token,
         };
         let listener = bind(settings)?;

@@ -1,17 +1,16 @@
 //! What the pages are told of the operator's loop, at one moment. Plain numbers and words, made into JSON by
 //! the console's thread.
 
+mod arm;
+
 use crate::link::LinkStats;
 use crate::station::camera::Windows;
-use crate::station::delays::{Delays, Stage};
+use crate::station::delays::{Delays, Spread, Stage};
 use crate::station::operator::OperatorStep;
-use crate::station::{SlaveAnnouncement, arm_words};
+pub use arm::{ArmView, GoalView, SILENT_US, SlaveView, is_engaged};
 use serde::Serialize;
-use tetrad_core::arm::teleop::{Note, Notes};
-use tetrad_core::geometry::Pose;
 use tetrad_core::observation::{Ball, ObservationState, Observations};
 use tetrad_core::vision::search::Region;
-use tetrad_core::wire::{ArmState, ArmStatePacket};
 
 /// Everything at one moment.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -30,14 +29,16 @@ pub struct Snapshot {
     pub engaged_share: f64,
     /// How the slave follows, as it has announced; `None` until it was heard.
     pub slave: Option<SlaveView>,
-    /// Where the hand asks the tool to be; `None` while the arm does not follow.
+    /// Where the hand asks the tool to be; `None` while the arm does not follow, or is silent.
     pub goal: Option<GoalView>,
     /// The stations of the link.
     pub links: Vec<LinkView>,
-    /// How long each stage took, since the start.
+    /// How long each stage took, since the start and lately.
     pub delays: Vec<DelayView>,
-    /// The pictures of the slave's cameras.
+    /// The pictures of the slave's cameras: of as many as it has announced, of two before that.
     pub pictures: Vec<PictureView>,
+    /// The session that is recorded; `None`: nothing is.
+    pub recording: Option<RecordingView>,
     /// What was told last, the newest at the end.
     pub lines: Vec<Line>,
 }
@@ -68,6 +69,8 @@ pub struct CameraView {
     pub name: String,
     /// Its place among the views whose pictures can be looked at; `None`: it has none.
     pub view: Option<usize>,
+    /// Why there is no picture to look at, where that is known.
+    pub no_picture: Option<&'static str>,
     /// Microseconds since its last observations came; `None`: never.
     pub age_us: Option<u64>,
     /// Pictures a second; `None` where it is not known yet.
@@ -98,69 +101,6 @@ pub struct BallView {
     pub window: Option<[i32; 4]>,
 }
 
-/// The arm, as the slave tells it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ArmView {
-    /// The law's state in one word.
-    pub state: &'static str,
-    /// State, reason and what would mend it.
-    pub standing: String,
-    /// How its controller stands, in words.
-    pub controller: String,
-    /// What keeps it from following as it was asked.
-    pub limits: Vec<String>,
-    /// Microseconds since its last state came.
-    pub age_us: u64,
-    /// The slave's clock then, microseconds.
-    pub slave_time_us: u64,
-    /// Measured joints, degrees; `None` before the first reading.
-    pub joints_deg: Option<[f32; 6]>,
-    /// What the joints were told, degrees.
-    pub set_point_deg: [f32; 6],
-    /// Where the tool is by that, millimetres in the robot's base.
-    pub tool_mm: [f32; 3],
-    /// And how it is turned, row by row.
-    pub tool_rotation: [f32; 9],
-    /// Metres of the tool for one of the hand: of the press that is on, or of the next.
-    pub scale: f32,
-    /// Whether it goes home, or is there, and the button is still held for that.
-    pub goes_home: bool,
-    /// How fast the tool is asked to be, of what its speed limit allows, 0 to 1.
-    pub speed_share: f32,
-    /// How old the newest motion was by the slave's clock, microseconds.
-    pub command_age_us: Option<u64>,
-    /// How long ago the slave had heard of the button, microseconds.
-    pub button_age_us: Option<u32>,
-}
-
-/// How the slave follows: its own settings, which no page changes.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SlaveView {
-    /// What drives the arm: `sim`, `dry-run`, `val2`, `canopen`.
-    pub port: String,
-    /// Whether somebody could be hurt by it.
-    pub moves_an_arm: bool,
-    /// Metres of the tool for one of the hand, at the most.
-    pub scale: f64,
-    /// Radians of the tool for one of the hand; `None`: it keeps its orientation.
-    pub turn_scale: Option<f64>,
-    /// The robot's base axes from those of the hand, row by row.
-    pub robot_from_hand: Option<[f64; 9]>,
-    /// The least corner of where the tool may be, millimetres in the robot's base.
-    pub workspace_min_mm: [f64; 3],
-    /// The largest corner.
-    pub workspace_max_mm: [f64; 3],
-}
-
-/// A pose of the tool, in the robot's base.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct GoalView {
-    /// Millimetres.
-    pub place_mm: [f64; 3],
-    /// Row by row.
-    pub rotation: [f64; 9],
-}
-
 /// One station of the link.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct LinkView {
@@ -170,8 +110,10 @@ pub struct LinkView {
     pub connected: bool,
     /// Microseconds since it was last heard; `None`: never.
     pub age_us: Option<u64>,
-    /// Share of the packets that were lost on the way there, 0 to 1; `None` within one process.
+    /// Share of the packets that were lost on the way there on this connection, 0 to 1; `None` within one process.
     pub loss: Option<f64>,
+    /// The same of those that were sent in about the last 10 s; `None` where none were.
+    pub loss_lately: Option<f64>,
     /// There and back, microseconds.
     pub round_trip_us: Option<u64>,
     /// The packets that were sent there on this connection; `None` within one process, as of all below.
@@ -194,6 +136,7 @@ impl LinkView {
             connected,
             age_us: stats.heard_us.map(|heard_us| now_us.saturating_sub(heard_us)),
             loss: (sent > 0).then(|| lost as f64 / sent as f64),
+            loss_lately: None,
             round_trip_us: stats.round_trip_us,
             sent_packets: Some(sent),
             lost_packets: Some(lost),
@@ -208,6 +151,16 @@ impl LinkView {
 pub struct DelayView {
     /// From what to what.
     pub stage: &'static str,
+    /// Since the start.
+    #[serde(flatten)]
+    pub all: SpreadView,
+    /// In about the last 10 s; `None` where it was not measured in them.
+    pub lately: Option<SpreadView>,
+}
+
+/// How long something took.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SpreadView {
     /// How often it was measured.
     pub count: u64,
     /// Milliseconds.
@@ -216,6 +169,17 @@ pub struct DelayView {
     pub p99_ms: f64,
     /// Milliseconds.
     pub max_ms: f64,
+}
+
+/// The session that is recorded.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RecordingView {
+    /// The file.
+    pub file: String,
+    /// Messages that were left out so far, for the disk was behind.
+    pub left_out: u64,
+    /// Whether writing has failed: nothing more is recorded.
+    pub failed: bool,
 }
 
 /// A picture of the slave's scene.
@@ -293,80 +257,25 @@ impl BallView {
     }
 }
 
-impl ArmView {
-    /// The arm by a state that came at `received_us`.
-    #[must_use]
-    pub fn of(packet: &ArmStatePacket, received_us: u64, now_us: u64) -> Self {
-        let degrees = |joints: [f32; 6]| joints.map(f32::to_degrees);
-        Self {
-            state: arm_words::state_name(packet.state),
-            standing: arm_words::standing(packet),
-            controller: arm_words::controller(packet.controller),
-            limits: arm_words::limits(packet),
-            age_us: now_us.saturating_sub(received_us),
-            slave_time_us: packet.time_us,
-            joints_deg: packet.measured.map(|measured| degrees(measured.joints)),
-            set_point_deg: degrees(packet.set_point),
-            tool_mm: packet.tool.translation.map(|m| m * 1e3),
-            tool_rotation: packet.tool.rotation,
-            scale: packet.scale,
-            goes_home: Notes::from_bits(packet.notes).contains(Note::GoesHome),
-            speed_share: packet.speed_share,
-            command_age_us: packet.command_age_us(),
-            button_age_us: packet.buttons_age_us,
-        }
-    }
-}
-
-impl SlaveView {
-    /// What a slave says of itself.
-    #[must_use]
-    pub fn of(slave: &SlaveAnnouncement) -> Self {
-        Self {
-            port: slave.port.clone(),
-            moves_an_arm: slave.moves_an_arm,
-            scale: slave.scale,
-            turn_scale: slave.turn_scale,
-            robot_from_hand: slave.robot_from_hand,
-            workspace_min_mm: slave.workspace_min_mm,
-            workspace_max_mm: slave.workspace_max_mm,
-        }
-    }
-}
-
-impl GoalView {
-    /// A goal in metres.
-    #[must_use]
-    pub fn of(goal: &Pose<f64>) -> Self {
-        let mut rotation = [0.0; 9];
-        rotation.iter_mut().zip(goal.rotation.transpose().iter()).for_each(|(to, from)| *to = *from);
-        Self { place_mm: (goal.translation * 1e3).into(), rotation }
-    }
-}
-
 impl DelayView {
     /// Every stage that was measured.
     #[must_use]
-    pub fn all(delays: &Delays) -> Vec<Self> {
-        let ms = |us: u64| us as f64 / 1e3;
+    pub fn all(delays: &Delays, now_us: u64) -> Vec<Self> {
         let of = |stage: Stage| {
-            let spread = delays.of(stage)?;
-            Some(Self {
-                stage: stage.name(),
-                count: spread.count,
-                p50_ms: ms(spread.p50_us),
-                p99_ms: ms(spread.p99_us),
-                max_ms: ms(spread.max_us),
-            })
+            let all = SpreadView::of(delays.of(stage)?);
+            let lately = delays.lately(stage, now_us).map(SpreadView::of);
+            Some(Self { stage: stage.name(), all, lately })
         };
         Stage::ALL.into_iter().filter_map(of).collect()
     }
 }
 
-/// Whether the arm follows the hand.
-#[must_use]
-pub const fn is_engaged(packet: &ArmStatePacket) -> bool {
-    matches!(packet.state, ArmState::Engaged) && !Notes::from_bits(packet.notes).contains(Note::GoesHome)
+impl SpreadView {
+    fn of(spread: Spread) -> Self {
+        let Spread { count, p50_us, p99_us, max_us } = spread;
+        let [p50_ms, p99_ms, max_ms] = [p50_us, p99_us, max_us].map(|us| us as f64 / 1e3);
+        Self { count, p50_ms, p99_ms, max_ms }
+    }
 }
 
 #[cfg(test)]

@@ -8,8 +8,9 @@ use super::gate::Gate;
 use super::inbox::{CAMERAS, EndedSession, Inbox, Received};
 use super::news::Doorbell;
 use super::picture::Picture;
+use crate::locked::lock;
 use crate::robot::clock::Clock;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use tetrad_core::wire::{EncodeError, MAX_BODY_LEN, Packet, encode_body};
 
 /// One end of a link within a process. Clones are the same end; it may go to another thread.
@@ -116,8 +117,7 @@ impl SideState {
 
 impl Side {
     fn lock(&self) -> MutexGuard<'_, SideState> {
-        // plain data: whoever panicked with the lock left it whole
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.state)
     }
 
     fn take_picture(&self, picture: Picture, now_us: u64) {

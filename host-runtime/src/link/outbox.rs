@@ -1,8 +1,9 @@
 //! What is to go to one peer: of each kind the newest that has not gone. No queue.
 
 use super::inbox::CAMERAS;
+use crate::locked::lock;
 use bytes::Bytes;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 use tetrad_core::wire::{EncodeError, MAX_BODY_LEN, Packet, encode_body};
 use tokio::sync::Notify;
 
@@ -107,8 +108,7 @@ impl<const N: usize> Outbox<N> {
     }
 
     fn lock(&self) -> MutexGuard<'_, Slots<N>> {
-        // plain data: whoever panicked with the lock left it whole
-        self.slots.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.slots)
     }
 }
 

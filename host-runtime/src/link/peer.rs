@@ -11,10 +11,11 @@ use super::news::News;
 use super::outbox::{Outbox, OutboxCounts, PACKETS};
 use super::picture::{Picture, PictureError};
 use super::tls::Lane;
+use crate::locked::lock;
 use crate::robot::clock::Clock;
 use quinn::{Connection, Side};
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use tetrad_core::wire::{EncodeError, Packet};
 use tokio::sync::watch;
 
@@ -199,8 +200,7 @@ impl PeerShared {
     }
 
     pub(super) fn lock(&self) -> MutexGuard<'_, PeerState> {
-        // plain data: whoever panicked with the lock left it whole
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.state)
     }
 
     /// Whether there is a connection for this.

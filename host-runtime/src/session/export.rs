@@ -170,7 +170,8 @@ impl Export {
 
     fn arm(&mut self, t_s: f64, arm: &msg::Arm) -> Result<(), OutputError> {
         let joints = numbered("s", 6) + &numbered("q", 6);
-        let header = format!("t,slave_t,sequence,state,standing,limits,share,age_ms{joints},{POSE}");
+        let header =
+            format!("t,slave_t,sequence,state,standing,limits,share,age_ms{joints},{POSE},slowed,scale");
         let csv = made(&mut self.arm, &self.dir, "arm.csv", &header)?;
         csv.row(|row| {
             row.time(t_s).time(seconds(arm.slave_us)).field(arm.sequence);
@@ -185,6 +186,8 @@ impl Export {
             let tool = arm.tool.clone().unwrap_or_default();
             numbers(row, &tool.translation, 3);
             numbers(row, &tool.rotation, 9);
+            // the words have semicolons of their own
+            row.field(words(&arm.slowed.join(" / "))).number(arm.scale);
         })
     }
 }

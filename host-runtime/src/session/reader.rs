@@ -134,7 +134,8 @@ impl Reader {
         self.records.cut
     }
 
-    /// How the session ended, as its last record says; known once `next` has given `None`.
+    /// How the session ended, as its last record says; known once [`next_entry`](Self::next_entry) has
+    /// given `None`.
     #[must_use]
     pub const fn end(&self) -> Option<&BTreeMap<String, String>> {
         self.end.as_ref()

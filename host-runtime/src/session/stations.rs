@@ -16,6 +16,7 @@ use crate::station::camera::{Onlooker, Order, Windows};
 use crate::station::delays::{Delays, Spread, Stage};
 use crate::station::operator::{Buttons, OperatorStep, OperatorTurn};
 use std::collections::BTreeMap;
+use std::path::Path;
 use tetrad_core::arm::governor::Limits;
 use tetrad_core::geometry::Pose;
 use tetrad_core::hand::affine::Arms;
@@ -198,6 +199,24 @@ impl StationTape {
     /// A line that the operator read.
     pub fn said(&self, line: &str, now_us: u64) {
         self.tape.feed().log(now_us, Level::Info, line);
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.tape.path()
+    }
+
+    /// How many messages were left out so far, for the disk was behind.
+    #[must_use]
+    pub fn left_out(&self) -> u64 {
+        self.tape.left_out()
+    }
+
+    /// Whether nothing more is recorded, for writing has failed.
+    #[must_use]
+    pub fn has_failed(&self) -> bool {
+        self.tape.has_failed()
     }
 
     /// Why nothing more is recorded, once.

@@ -14,8 +14,9 @@ use super::schema::foxglove::{Level, Log, Timestamp};
 use super::schema::tetrad::Configuration;
 use super::topic::Topic;
 use super::writer::{Writer, Written};
+use crate::locked::lock;
 use std::collections::{BTreeMap, VecDeque};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
@@ -64,6 +65,7 @@ pub struct Feed(Arc<Shared>);
 /// A session that is being recorded, on a thread of its own.
 pub struct Tape {
     feed: Feed,
+    path: PathBuf,
     cameras: Vec<String>,
     thread: Option<JoinHandle<Writer>>,
 }
@@ -102,13 +104,32 @@ impl Tape {
             .spawn(move || write_all(&theirs, writer))
             .map_err(|cause| SessionError::write(path, cause))?;
         let cameras = configuration.cameras.iter().map(|camera| camera.name.clone()).collect();
-        Ok(Self { feed, cameras, thread: Some(thread) })
+        Ok(Self { feed, path: path.to_owned(), cameras, thread: Some(thread) })
     }
 
     /// Where messages are handed in.
     #[must_use]
     pub const fn feed(&self) -> &Feed {
         &self.feed
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// How many messages were left out so far.
+    #[must_use]
+    pub fn left_out(&self) -> u64 {
+        self.feed.lock().left_out.values().sum()
+    }
+
+    /// Whether writing has failed; [`take_failure`](Self::take_failure) has why.
+    #[must_use]
+    pub fn has_failed(&self) -> bool {
+        // nothing else closes it before it is finished
+        self.feed.lock().closed
     }
 
     /// Why writing has failed, once.
@@ -226,8 +247,7 @@ impl Feed {
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        // plain data: whoever panicked with the lock left it whole
-        self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0.state)
     }
 }
 

@@ -8,10 +8,14 @@ use super::tape::Tape;
 use super::topic::Topic;
 use crate::pipeline::CameraStart;
 use crate::settings::Mode;
+use crate::station::arm_words;
 use std::collections::BTreeMap;
 use std::path::Path;
+use tetrad_core::arm::teleop::Note;
 use tetrad_core::config::FilterConfig;
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
+use tetrad_core::wire::{ArmReason, ArmState, ArmStatePacket};
+use tetrad_fixtures::packets;
 
 /// When its first picture was taken, microseconds by its clock.
 pub(crate) const BEGAN_US: u64 = 2_000_000;
@@ -21,6 +25,9 @@ pub(crate) const PERIOD_US: u64 = 100_000;
 
 /// The pictures of one camera: a quarter of a megabyte each, the shade of their number.
 pub(crate) const SIZE: (u16, u16) = (320, 240);
+
+/// The bit of the wrist's singularity, as docs/wire.md lists them.
+const WRIST: u64 = 1 << 5;
 
 fn beginning() -> Beginning {
     let pictures = Pictures { size: SIZE, format: PixelFormat::Rgb888, fps: Some(10.0) };
@@ -42,8 +49,14 @@ fn beginning() -> Beginning {
     }
 }
 
-/// Writes it: so many pictures with a red ball that wanders, a hand, and an arm that is slowed from the
-/// third picture on.
+/// An arm that is slowed at home by a singularity of its wrist.
+fn arm() -> ArmStatePacket {
+    let (notes, limits) = (1 << Note::AtHome as u8, WRIST);
+    ArmStatePacket { notes, limits, ..packets::arm_state(ArmState::Engaged, ArmReason::None) }
+}
+
+/// Writes it: so many pictures with a red ball that wanders, a hand, and an arm that is slowed on its way home
+/// from the third picture on.
 pub(crate) fn small(path: &Path, pictures: u32) {
     let tape = Tape::start(path, &beginning().message()).unwrap();
     let feed = tape.feed();
@@ -66,16 +79,19 @@ pub(crate) fn small(path: &Path, pictures: u32) {
         let hand = msg::Hand { frame: at.into(), capture_us: t_us, pose: Some(pose), ..Default::default() };
         feed.message(Topic::Hand, t_us, at, &hand);
         if at >= 2 {
+            let arm = arm();
             let arm = msg::Arm {
-                state: "engaged".to_owned(),
-                standing: "engaged: it follows".to_owned(),
-                slowed: vec!["near the end of joint 4".to_owned()],
+                state: arm_words::state_name(arm.state).to_owned(),
+                standing: arm_words::standing(&arm),
+                slowed: arm_words::limits(&arm),
                 speed_share: 0.5,
                 set_point: vec![0.5; 6],
+                scale: 0.25,
                 ..Default::default()
             };
             feed.message(Topic::Arm, t_us + 2, at, &arm);
-            feed.message(Topic::Buttons, t_us + 2, 0, &msg::Buttons { pressed: true, ..Default::default() });
+            let buttons = msg::Buttons { pressed: true, home: true, scale_percent: 25, ..Default::default() };
+            feed.message(Topic::Buttons, t_us + 2, 0, &buttons);
         }
         feed.log(t_us, Level::Info, &format!("line {at}"));
     }

@@ -14,8 +14,11 @@
 //! The operator remembers what it sent; the arm's state says which motion the slave used, and how long
 //! after its arrival each stage was over.
 
+mod lately;
+
 use crate::link::Received;
 use hdrhistogram::Histogram;
+use lately::Lately;
 use std::collections::VecDeque;
 use std::fmt::Write as _;
 use tetrad_core::wire::{ArmStatePacket, ObservationPacket};
@@ -144,11 +147,30 @@ pub struct Spread {
     pub max_us: u64,
 }
 
+impl Spread {
+    fn of(histogram: &Histogram<u32>) -> Option<Self> {
+        (!histogram.is_empty()).then(|| Self {
+            count: histogram.len(),
+            p50_us: histogram.value_at_quantile(0.5),
+            p99_us: histogram.value_at_quantile(0.99),
+            max_us: histogram.max(),
+        })
+    }
+}
+
+/// A histogram for each stage.
+fn empty() -> Vec<Histogram<u32>> {
+    // the bounds are constants, and a test makes them
+    let one = Histogram::new_with_bounds(1, LONGEST_US, DIGITS).expect("bounds that there can be");
+    vec![one; Stage::ALL.len()]
+}
+
 /// All stages, in memory that does not grow.
 #[derive(Clone, Debug)]
 pub struct Delays {
     session: u32,
     histograms: Vec<Histogram<u32>>,
+    lately: Lately,
     sent: VecDeque<SentMotion>,
     /// The newest motion of which the slave has told.
     told: Option<u32>,
@@ -158,21 +180,20 @@ pub struct Delays {
 impl Delays {
     /// Of a sender of that session.
     #[must_use]
-    #[expect(clippy::missing_panics_doc, reason = "the bounds are constants, and a test makes one")]
     pub fn new(session: u32) -> Self {
-        let empty = Histogram::new_with_bounds(1, LONGEST_US, DIGITS).expect("bounds that there can be");
-        let histograms = vec![empty; Stage::ALL.len()];
-        Self { session, histograms, sent: VecDeque::with_capacity(REMEMBERED), told: None, settled: None }
+        let sent = VecDeque::with_capacity(REMEMBERED);
+        Self { session, histograms: empty(), lately: Lately::new(), sent, told: None, settled: None }
     }
 
     /// Observations have come.
     pub fn observed(&mut self, observation: &Received<ObservationPacket>) {
         let ObservationPacket { ready_us, observed_us, .. } = observation.what;
-        self.add(Stage::Ready, u64::from(ready_us));
-        self.add(Stage::Observed, u64::from(observed_us.saturating_sub(ready_us)));
+        let now_us = observation.received_us;
+        self.add(Stage::Ready, u64::from(ready_us), now_us);
+        self.add(Stage::Observed, u64::from(observed_us.saturating_sub(ready_us)), now_us);
         if let Some(captured_us) = observation.captured_us {
             let found_us = captured_us.saturating_add(u64::from(observed_us));
-            self.add(Stage::Received, observation.received_us.saturating_sub(found_us));
+            self.add(Stage::Received, now_us.saturating_sub(found_us), now_us);
         }
     }
 
@@ -185,7 +206,7 @@ impl Delays {
             (Stage::Sent, posed_us, sent_us),
             (Stage::ReadyToSent, ready_us, sent_us),
         ] {
-            self.add(stage, to_us.saturating_sub(from_us));
+            self.add(stage, to_us.saturating_sub(from_us), sent_us);
         }
         if self.sent.len() >= REMEMBERED {
             self.sent.pop_front();
@@ -195,45 +216,45 @@ impl Delays {
 
     /// The arm's state has come.
     pub fn arm_state(&mut self, state: &Received<ArmStatePacket>) {
-        let packet = &state.what;
+        let (packet, now_us) = (&state.what, state.received_us);
         if let Some(captured_us) = state.captured_us {
-            self.add(Stage::Back, state.received_us.saturating_sub(captured_us));
+            self.add(Stage::Back, now_us.saturating_sub(captured_us), now_us);
         }
         let Some(command) = packet.command.filter(|command| command.session == self.session) else { return };
         if self.told.replace(command.sequence) != Some(command.sequence) {
             let (solved_us, written_us) =
                 (u64::from(command.solved_after_us), u64::from(command.written_after_us));
-            self.add(Stage::Solved, solved_us);
-            self.add(Stage::Written, written_us.saturating_sub(solved_us));
+            self.add(Stage::Solved, solved_us, now_us);
+            self.add(Stage::Written, written_us.saturating_sub(solved_us), now_us);
             if let Some(motion) = self.find(command.sequence) {
-                self.add(Stage::HeardOf, state.received_us.saturating_sub(motion.sent_us));
+                self.add(Stage::HeardOf, now_us.saturating_sub(motion.sent_us), now_us);
                 // how long ago it arrived is told by the slave's clock alone
                 let ago_us = packet.time_us.saturating_sub(command.received_us);
                 if let Some(arrived_us) = state.captured_us.and_then(|so_us| so_us.checked_sub(ago_us)) {
-                    self.add(Stage::Arrived, arrived_us.saturating_sub(motion.sent_us));
+                    self.add(Stage::Arrived, arrived_us.saturating_sub(motion.sent_us), now_us);
                     let port_us = arrived_us + written_us;
-                    self.add(Stage::SentToWritten, port_us.saturating_sub(motion.sent_us));
-                    self.add(Stage::CaptureToWritten, port_us.saturating_sub(motion.capture_us));
+                    self.add(Stage::SentToWritten, port_us.saturating_sub(motion.sent_us), now_us);
+                    self.add(Stage::CaptureToWritten, port_us.saturating_sub(motion.capture_us), now_us);
                 }
             }
         }
         if let Some(settled) = packet.settled
             && self.settled.replace(settled.sequence) != Some(settled.sequence)
         {
-            self.add(Stage::Settled, u64::from(settled.after_us));
+            self.add(Stage::Settled, u64::from(settled.after_us), now_us);
         }
     }
 
     /// What is known of a stage; `None` where it was never measured.
     #[must_use]
     pub fn of(&self, stage: Stage) -> Option<Spread> {
-        let histogram = self.histograms.get(stage as usize).filter(|histogram| !histogram.is_empty())?;
-        Some(Spread {
-            count: histogram.len(),
-            p50_us: histogram.value_at_quantile(0.5),
-            p99_us: histogram.value_at_quantile(0.99),
-            max_us: histogram.max(),
-        })
+        Spread::of(self.histograms.get(stage as usize)?)
+    }
+
+    /// The same of about the last 10 s before `now_us`, the operator's clock.
+    #[must_use]
+    pub fn lately(&self, stage: Stage, now_us: u64) -> Option<Spread> {
+        self.lately.of(stage, now_us)
     }
 
     /// A line for each stage that was measured, under a heading.
@@ -256,7 +277,8 @@ impl Delays {
         self.sent.get(place).copied().filter(|motion| motion.sequence == sequence)
     }
 
-    fn add(&mut self, stage: Stage, us: u64) {
+    fn add(&mut self, stage: Stage, us: u64, now_us: u64) {
+        self.lately.add(stage, us, now_us);
         if let Some(histogram) = self.histograms.get_mut(stage as usize) {
             histogram.saturating_record(us);
         }

@@ -1,7 +1,8 @@
 //! Where a thread leaves the newest observations of its camera for the operator's loop.
 
 use crate::link::Received;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use crate::locked::lock;
+use std::sync::{Mutex, MutexGuard};
 use tetrad_core::wire::ObservationPacket;
 
 /// Lines that wait to be told; a reader that does not ask loses the oldest.
@@ -38,7 +39,6 @@ impl Newest {
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        // plain data: whoever panicked with the lock left it whole
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0)
     }
 }

@@ -33,6 +33,9 @@ use tetrad_core::wire::{
 /// holds, so that it takes five losses in a row to make it.
 pub const BUTTONS_US: u64 = 20_000;
 
+/// The shares of the slave's scale that keys and buttons step through, percent.
+pub const SCALES: [u8; 6] = [2, 5, 10, 25, 50, 100];
+
 /// The size of a camera's pictures before the first has come, px. Nothing is computed with it.
 const UNKNOWN_SIZE: (u16, u16) = (640, 480);
 

@@ -7,6 +7,7 @@ use super::camera::Windows;
 use super::jpeg::jpeg;
 use super::step_back::step_back;
 use crate::link::Picture;
+use crate::locked::lock;
 use crate::output::Canvas;
 use std::io;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -105,8 +106,7 @@ impl Drop for Preview {
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, Desk> {
-        // plain data: whoever panicked with the lock left it whole
-        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.desk)
     }
 
     /// The next picture; `None` at the end.

@@ -16,13 +16,14 @@ use super::picture_rate::{LOOK_US, LineState, PictureRate};
 use super::step_back::step_back;
 use crate::link::local::LocalEnd;
 use crate::link::{Carrier as _, Peer, Picture};
+use crate::locked::lock;
 use crate::robot::clock::Clock;
 use crate::settings::station::{SceneCamera, SceneCameraSettings};
 use crate::source::simulated_arm::ArmDrawing;
 use crate::source::{self, Source, SourceError};
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use tetrad_core::arm::puma560::Joints;
@@ -117,11 +118,6 @@ struct Shared {
     bytes: AtomicU64,
     /// The lowest quality that was sent.
     lowest: AtomicU64,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // plain data: whoever panicked with the lock left it whole
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl SceneCameras {

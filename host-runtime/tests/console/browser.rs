@@ -160,6 +160,17 @@ impl Browser {
         self.mouse(&json!([{"type": "pointerUp", "button": button}]));
     }
 
+    /// Moves the mouse so many CSS pixels right of an element's middle and below it.
+    pub(crate) fn point_at(&self, css: &str, (right, down): (i64, i64)) {
+        let origin = self.session.element(css);
+        self.mouse(&json!([{"type": "pointerMove", "origin": origin, "x": right, "y": down, "duration": 0}]));
+    }
+
+    /// Scrolls an element into sight, where the mouse reaches it.
+    pub(crate) fn scroll_to(&self, css: &str) {
+        self.script(&format!("document.querySelector({css:?}).scrollIntoView({{block: 'center'}})"));
+    }
+
     /// A click so many CSS pixels right of an element's middle and below it.
     pub(crate) fn click_at(&self, css: &str, (right, down): (i64, i64)) {
         let origin = self.session.element(css);

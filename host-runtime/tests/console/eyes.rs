@@ -91,6 +91,36 @@ return {
   red, cyan, rows, swapped,
 };";
 
+/// How much of the canvas is not black, 0 to 1.
+const LIT: &str = "((canvas) => {
+  const pen = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
+  pen.drawImage(canvas, 0, 0);
+  const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
+  let lit = 0;
+  for (let at = 0; at < data.length; at += 4) lit += data[at] + data[at + 1] + data[at + 2] > 60;
+  return lit / (data.length / 4);
+})(document.getElementById('stage'))";
+
+#[test]
+fn one_camera_is_shown_to_both_eyes() {
+    let _turn = turn();
+    let Some(browser) = Browser::open("console::eyes::one_camera_is_shown_to_both_eyes") else { return };
+    let program = Program::with_one_eye();
+    browser.go(&program.url("/slave"));
+    for (key, way) in [("1", "beside"), ("2", "anaglyph"), ("3", "rows"), ("4", "flip")] {
+        browser.tap(key);
+        browser.until(&format!("document.querySelector('input[value={way}]').checked"));
+        browser.until(
+            "/^\\d+ ms$/.test(document.getElementById('stamp').textContent) && !document.body.classList.contains('stale')",
+        );
+        browser.until(&format!("{LIT} > 0.05"));
+    }
+    // nor is there a dead view beside it
+    browser.go(&program.url("/drive"));
+    browser.until("document.querySelectorAll('#views figure.eye').length === 1");
+    browser.until("/\\d ms$/.test(document.querySelector('figure.eye .stamp').textContent)");
+}
+
 #[test]
 fn both_eyes_see_their_own_picture_in_every_way() {
     let _turn = turn();

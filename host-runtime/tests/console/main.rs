@@ -10,6 +10,7 @@
 mod browser;
 mod driver;
 mod eyes;
+mod full_screen;
 mod holding;
 mod late;
 mod line_clock;
@@ -20,9 +21,11 @@ mod proxy;
 mod replay;
 mod scale_and_home;
 mod setup;
+mod silent;
 mod start;
 mod stops;
 mod strangers;
+mod teaching;
 mod webdriver;
 mod witness;
 

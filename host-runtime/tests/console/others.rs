@@ -7,6 +7,9 @@ use super::turn;
 use super::witness::{Witness, is_moving};
 use std::time::Duration;
 
+/// What the first operator is called.
+const NAME: &str = "Ada";
+
 /// How a second operator stops the arm.
 fn stops_it(test: &str, stop: impl Fn(&Browser, &Program)) {
     let _turn = turn();
@@ -14,10 +17,15 @@ fn stops_it(test: &str, stop: impl Fn(&Browser, &Program)) {
     let Some(other) = Browser::open(test) else { return };
     let program = Program::operator();
     let witness = Witness::of(program.address());
+    browser.go(&program.url("/drive"));
+    browser.write("#name", NAME);
+    // the browser keeps it
     take_control(&browser, &program.url("/drive"));
+    assert_eq!(browser.script("return document.getElementById('name').value"), NAME);
     hold(&browser, &witness);
     let holder = witness.until("who drives", |live| live["control"]["holder"].is_string());
     let holder = holder["control"]["holder"].as_str().unwrap_or_default().to_owned();
+    assert!(holder.starts_with(NAME), "{holder}");
 
     other.go(&program.url("/drive"));
     other.until("!document.getElementById('take').disabled");

@@ -43,7 +43,13 @@ fn pages(browser: &Browser, program: &Program) -> BTreeSet<String> {
 fn settle(browser: &Browser) {
     browser.until("document.readyState === 'complete'");
     browser.until("document.getElementById('link')?.textContent !== 'connecting ...'");
-    browser.until("[...document.querySelectorAll('figure.stale')].length === 0");
+    // where there are views, each has a picture
+    browser.until(
+        "location.pathname === '/replay' || !document.getElementById('views') ||
+         ((stamps) => stamps.length > 0 && stamps.every((stamp) => /\\d ms/.test(stamp.textContent)))(
+           [...document.querySelectorAll('#views .stamp')])",
+    );
+    browser.until("document.querySelectorAll('figure.stale').length === 0");
 }
 
 #[test]
@@ -135,6 +141,17 @@ fn every_page_is_clean_and_has_its_picture_taken() {
         }
         let told = browser.log();
         assert!(told.is_empty(), "{path}: {told:#?}");
+    }
+    // no link leads to where the token is asked for
+    for (size, of) in [(DESK, "desk"), (TABLET, "tablet")] {
+        for scheme in ["light", "dark"] {
+            browser.look(size, scheme);
+            browser.go(&program.url("/sign-in"));
+            browser.until("document.readyState === 'complete' && document.getElementById('token')");
+            let file = folder.join(format!("sign-in-{of}-{scheme}.png"));
+            std::fs::write(&file, browser.picture()).expect("a picture");
+            taken += 1;
+        }
     }
     println!("measured: {taken} pictures of pages in {}", folder.display());
 }

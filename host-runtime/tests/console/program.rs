@@ -64,7 +64,17 @@ impl Program {
         Self::start(dir, &["operator", "--config", "tetrad.toml", "--hold-to-run", "console"])
     }
 
-    /// The same, recorded as a session; `sessions` is where it lies.
+    /// `tetrad operator` with one camera at the arm.
+    pub(crate) fn with_one_eye() -> Self {
+        let dir = tempfile::tempdir().expect("a directory");
+        let (station, console) = STATION.split_once("[console]").expect("a console");
+        let (station, _) = station.rsplit_once("[[slave.camera]]").expect("a camera");
+        std::fs::write(dir.path().join("tetrad.toml"), format!("{station}[console]{console}"))
+            .expect("a file");
+        Self::start(dir, &["operator", "--config", "tetrad.toml", "--hold-to-run", "console"])
+    }
+
+    /// The same with two, recorded as a session; `sessions` is where it lies.
     pub(crate) fn recorded(sessions: &Path) -> Self {
         let dir = tempfile::tempdir().expect("a directory");
         std::fs::write(dir.path().join("tetrad.toml"), STATION).expect("a file");
@@ -120,7 +130,8 @@ impl Program {
         Record::read(&self.out())
     }
 
-    fn out(&self) -> PathBuf {
+    /// The folder of its results.
+    pub(crate) fn out(&self) -> PathBuf {
         self.dir.path().join("out")
     }
 

@@ -1,12 +1,13 @@
 //! The replay page with a recorded session: scrubbed, read whole, exported, and its plots in their places.
 
-use super::browser::{Browser, DESK, SPACE};
-use super::driver::{hold, sees_stop, take_control};
+use super::browser::{Browser, DESK, LONG, SPACE};
+use super::driver::{A_WHILE, hold, sees_stop, take_control};
 use super::pages::{TABLET, screens};
 use super::program::Program;
 use super::turn;
 use super::witness::Witness;
 use serde_json::Value;
+use std::time::Instant;
 
 /// A tablet held sideways, CSS pixels.
 const SIDEWAYS: (u32, u32) = (1024, 768);
@@ -43,6 +44,45 @@ fn record(browser: &Browser, sessions: &std::path::Path) {
     browser.key_up(SPACE);
     sees_stop(&witness);
     program.end();
+}
+
+#[test]
+fn a_session_that_grows_is_gone_on_with_where_it_was() {
+    let _turn = turn();
+    let Some(browser) = Browser::open("console::replay::a_session_that_grows_is_gone_on_with_where_it_was")
+    else {
+        return;
+    };
+    let sessions = tempfile::tempdir().expect("a directory");
+    // its own session, while it is recorded
+    let program = Program::recorded(sessions.path());
+    browser.go(&program.url("/replay?session=driven.mcap"));
+    let length = "document.getElementById('slider').max";
+    // as soon as there is something of it
+    grows(&browser, &format!("!document.getElementById('slider').disabled && {length} > 1e6"));
+    browser.until("/\\(\\d+ of /.test(document.getElementById('time').textContent)");
+    browser.script(
+        "const slider = document.getElementById('slider');
+         slider.value = 900000;
+         slider.dispatchEvent(new Event('input'));",
+    );
+    let shown = "document.getElementById('time').textContent.startsWith('0.900 s (')";
+    browser.until(shown);
+    let before = browser.script(&format!("return Number({length})")).as_f64().expect("a length");
+    grows(&browser, &format!("{length} > {before}"));
+    browser.until(shown);
+    browser.until(&format!("{LIT} > 0.5"));
+}
+
+/// Looks again until that comes of it.
+#[track_caller]
+fn grows(browser: &Browser, so: &str) {
+    let began = Instant::now();
+    while browser.script(&format!("return Boolean({so})")) != true {
+        assert!(began.elapsed() < LONG, "{so} does not come true:\n{}", browser.text("body"));
+        browser.click("#again");
+        std::thread::sleep(A_WHILE);
+    }
 }
 
 /// The moment that is shown, seconds.

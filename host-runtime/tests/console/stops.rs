@@ -1,6 +1,6 @@
 //! Whatever ends the press stops the arm, in time by the slave's own clock.
 
-use super::browser::{Browser, SPACE};
+use super::browser::{Browser, ESCAPE, SPACE};
 use super::driver::{A_WHILE, hold, note, noted_us, sees_stop, stays_stopped, take, take_control};
 use super::program::{Ended, Program};
 use super::proxy::Proxy;
@@ -161,6 +161,28 @@ fn the_socket_is_cut() {
 #[test]
 fn the_line_hangs() {
     loses_the_line("console::stops::the_line_hangs", "line hangs", Proxy::hang);
+}
+
+#[test]
+fn a_stop_that_is_not_heard_is_told() {
+    let _turn = turn();
+    let Some(browser) = Browser::open("console::stops::a_stop_that_is_not_heard_is_told") else { return };
+    let program = Program::operator();
+    let witness = Witness::of(program.address());
+    let proxy = Proxy::to(program.address());
+    browser.go(&proxy.url("/drive"));
+    browser.until("document.getElementById('link').textContent === 'connected'");
+    let failed = "document.getElementById('stop').classList.contains('failed')";
+    proxy.hang();
+    browser.tap(ESCAPE);
+    browser.until(failed);
+    let told = browser.script("return getComputedStyle(document.getElementById('stop'), '::after').content");
+    assert!(told.as_str().is_some_and(|told| told.contains("not heard")), "{told}");
+    proxy.mend();
+    browser.until("document.getElementById('link').textContent === 'connected'");
+    browser.tap(ESCAPE);
+    browser.until(&format!("!{failed}"));
+    witness.until("the latch", |live| live["control"]["stopped"] == true);
 }
 
 #[test]

@@ -5,11 +5,15 @@ use crate::link::authority::KeyFiles;
 use crate::robot::canopen::CanopenAddress;
 use crate::robot::{RobotAddress, RobotKind, val2};
 use crate::settings::station::{
-    HandCamera, LocalCamera, NetworkSettings, SceneCamera, SlavePlace, SlaveSettings, StationSettings,
+    ConsoleSettings, HandCamera, LocalCamera, NetworkSettings, SceneCamera, SlavePlace, SlaveSettings,
+    StationSettings,
 };
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::path::Path;
+
+/// Pictures a second, so that there are two in the half second after which one is stale.
+const LEAST_PREVIEW_FPS: f64 = 4.0;
 
 /// All there are, each with its key and what would mend it.
 pub(super) fn notes(settings: &StationSettings) -> Vec<String> {
@@ -25,6 +29,8 @@ pub(super) fn notes(settings: &StationSettings) -> Vec<String> {
     if let Some(camera) = &settings.camera {
         notes.extend(no_camera("[camera] source", &camera.camera));
     }
+    notes.extend(settings.camera.as_ref().and_then(|camera| flickers(camera.preview_fps)));
+    notes.extend(settings.console.iter().flat_map(of_console));
     if let Some(operator) = &settings.operator {
         for (number, camera) in (1..).zip(&operator.cameras) {
             let key = format!("[[operator.camera]] {number} source");
@@ -71,6 +77,31 @@ fn of_keys(network: &NetworkSettings) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// The console's secrets that more people can take than have to.
+fn of_console(console: &ConsoleSettings) -> Vec<String> {
+    let secrets = [
+        ("token_file", console.token_file.as_deref(), "who has it can move the arm"),
+        ("key", console.tls.as_ref().map(|tls| tls.key.as_path()), "who has it can pass for this console"),
+    ];
+    let shared = secrets.into_iter().filter_map(|(key, file, what)| Some((key, file?, what)));
+    let shared = shared.filter(|(_, file, _)| is_everybodys(file)).map(|(key, file, what)| {
+        let file = file.display();
+        format!("[console] {key}: everybody on this computer may read {file}, and {what}: `chmod o= {file}`")
+    });
+    shared.collect()
+}
+
+/// Pictures that come so seldom that each is stale before the next.
+fn flickers(preview_fps: f64) -> Option<String> {
+    let seldom = preview_fps > 0.0 && preview_fps < LEAST_PREVIEW_FPS;
+    seldom.then(|| {
+        format!(
+            "[camera] preview_fps: {preview_fps} pictures a second are so far apart that each counts as stale \
+             before the next has come: give {LEAST_PREVIEW_FPS} or more, or 0 for none"
+        )
+    })
 }
 
 #[cfg(unix)]
@@ -172,6 +203,29 @@ mod tests {
         }
         for there in ["sim:", "dry-run:x.csv", "val2:/dev/null"] {
             assert_eq!(port(there), None);
+        }
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_token_that_everybody_may_read_is_told() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("token");
+        std::fs::write(&file, "x").unwrap();
+        let console = ConsoleSettings { token_file: Some(file.clone()), ..ConsoleSettings::demo() };
+        for (mode, notes) in [(0o644, 1), (0o640, 0), (0o600, 0)] {
+            std::fs::set_permissions(&file, std::fs::Permissions::from_mode(mode)).unwrap();
+            let told = of_console(&console);
+            assert_eq!(told.len(), notes, "{mode:o}: {told:?}");
+            assert!(told.iter().all(|note| note.starts_with("[console] token_file: everybody ")), "{told:?}");
+        }
+    }
+
+    #[test]
+    fn pictures_that_flicker_are_told() {
+        for (fps, told) in [(0.0, false), (2.0, true), (4.0, false), (5.0, false)] {
+            assert_eq!(flickers(fps).is_some(), told, "{fps}");
         }
     }
 

@@ -11,65 +11,6 @@ fn press(code: KeyCode) -> KeyEvent {
     KeyEvent::new(code, KeyModifiers::NONE)
 }
 
-/// Strikes the bar so often, so far apart; when it was struck last.
-fn strikes(held: &mut Held, mut now: Instant, apart: Duration, count: u32) -> Instant {
-    for _ in 0..count {
-        now += apart;
-        held.strike(now);
-        assert!(held.is_held(now));
-    }
-    now
-}
-
-#[test]
-fn a_tap_is_no_hold_and_the_first_repeat_is() {
-    let mut held = Held::default();
-    let start = Instant::now();
-    held.strike(start);
-    assert!(!held.is_held(start), "it may be a mere tap");
-    let repeated = start + 660 * MS;
-    assert!(!held.is_held(repeated));
-    held.strike(repeated);
-    assert!(held.is_held(repeated) && held.is_held(repeated + 199 * MS));
-    let mut taps = Held::default();
-    for tap in 0..5 {
-        let now = start + tap * FIRST_REPEAT;
-        taps.strike(now);
-        assert!(!taps.is_held(now), "two taps are no repeat");
-    }
-}
-
-#[test]
-fn the_bar_is_held_until_its_repeats_stay_away() {
-    let start = Instant::now();
-    // (apart, let go after): keyboards of 30, 25 and 10.9 repeats a second
-    for (apart, gone) in [(33, 80), (40, 80), (45, 90), (92, 184), (150, 200)] {
-        let mut held = Held::default();
-        held.strike(start);
-        let repeated = start + 500 * MS;
-        held.strike(repeated);
-        let last = strikes(&mut held, repeated, apart * MS, 20);
-        assert!(held.is_held(last + (gone - 1) * MS), "{apart} ms apart");
-        assert!(!held.is_held(last + gone * MS), "{apart} ms apart");
-    }
-}
-
-#[test]
-fn a_late_repeat_is_waited_for_and_the_next_hold_begins_anew() {
-    let mut held = Held::default();
-    let start = Instant::now();
-    held.strike(start);
-    held.strike(start + 300 * MS);
-    let last = strikes(&mut held, start + 300 * MS, 33 * MS, 10);
-    // one came late: so may the next
-    let late = strikes(&mut held, last, 75 * MS, 1);
-    assert!(held.is_held(late + 149 * MS) && !held.is_held(late + 150 * MS));
-    let last = strikes(&mut held, late, 33 * MS, 4);
-    assert!(!held.is_held(last + SHORTEST_GAP));
-    held.strike(last + 300 * MS);
-    assert!(!held.is_held(last + 300 * MS), "a tap again");
-}
-
 #[test]
 fn a_release_that_is_told_counts_at_once() {
     let mut keyboard = keyboard(true);
@@ -165,7 +106,8 @@ fn a_terminal_that_is_hung_up_lets_go_and_says_so() {
     let terminal = File::options().read(true).write(true).open(slave.name().unwrap()).unwrap();
     drop(slave);
     let mut keyboard = Keyboard::of(terminal.into(), true);
-    let last = strikes(&mut keyboard.held, Instant::now(), 30 * MS, 4);
+    let last = Instant::now();
+    keyboard.held.strike(last);
     assert_eq!(keyboard.next().unwrap(), None);
     assert!(keyboard.is_held(last));
     drop(master);

@@ -16,11 +16,16 @@ use tetrad_core::wire::ObservationPacket;
 /// A camera station has one camera.
 const CAMERA: u8 = 0;
 
+/// A station whose observations have come for so long, and no picture with them, sends none, microseconds.
+const PICTURED_US: u64 = 2_000_000;
+
 /// One camera.
 pub(super) struct HandEye {
     /// As the file calls it.
     pub(super) name: String,
     place: Place,
+    /// When its first observations came.
+    first_us: Option<u64>,
     /// When its last observations came.
     pub(super) heard_us: Option<u64>,
     /// How many came.
@@ -74,7 +79,14 @@ impl Cameras {
                     Place::Opened(Box::new(CameraStation::open(local, label, clock.clone())?))
                 }
             };
-            eyes.push(HandEye { name: name(camera), place, heard_us: None, count: 0, last: None });
+            eyes.push(HandEye {
+                name: name(camera),
+                place,
+                first_us: None,
+                heard_us: None,
+                count: 0,
+                last: None,
+            });
         }
         Ok(Self(eyes))
     }
@@ -111,10 +123,11 @@ impl Cameras {
     }
 
     /// What the console shows of them.
-    pub(super) fn views(&self, pairing: &Pairing, now_us: u64) -> Vec<CameraView> {
+    pub(super) fn views(&self, pairing: &Pairing, desk: &Desk, now_us: u64) -> Vec<CameraView> {
         let view = |(at, eye): (usize, &HandEye)| CameraView {
             name: eye.name.clone(),
             view: (!matches!(eye.place, Place::Serial(_))).then_some(at),
+            no_picture: eye.no_picture(desk.shown(at).is_some(), now_us),
             age_us: eye.heard_us.map(|heard_us| now_us.saturating_sub(heard_us)),
             rate: pairing.measured_period_us(at).map(|us| 1e6 / us),
             width: eye.last.map_or(0, |last| last.width),
@@ -205,10 +218,21 @@ impl HandEye {
         };
         if let Some(observation) = &observation {
             self.heard_us = Some(observation.received_us);
+            self.first_us.get_or_insert(observation.received_us);
             self.count += 1;
             self.last = Some(observation.what);
         }
         observation
+    }
+
+    /// Why nothing of it can be looked at.
+    fn no_picture(&self, pictured: bool, now_us: u64) -> Option<&'static str> {
+        match &self.place {
+            Place::Station(_) => no_preview(self.first_us, pictured, now_us),
+            Place::Serial(_) => Some("no preview: a smart camera sends no pictures"),
+            Place::Over if !pictured => Some("this recording is over"),
+            Place::Here(_) | Place::Opened(_) | Place::Over => None,
+        }
     }
 
     /// What was lost on the way here, in words.
@@ -226,5 +250,25 @@ impl HandEye {
         };
         let counts = peer.stats().received.observations[usize::from(CAMERA)];
         format!(", {:.1} % lost, {} late, {} overtaken", counts.loss() * 100.0, counts.late, counts.overtaken)
+    }
+}
+
+/// Why there is no picture of a station whose first observations came then.
+fn no_preview(first_us: Option<u64>, pictured: bool, now_us: u64) -> Option<&'static str> {
+    let long = now_us.saturating_sub(first_us?) > PICTURED_US;
+    (long && !pictured).then_some("no preview: [camera] preview_fps is 0 at that station")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_view_that_stays_black_says_why() {
+        let told = |first_us, pictured, now_us| no_preview(first_us, pictured, now_us).is_some();
+        assert!(!told(None, false, 9 * PICTURED_US), "a station that is not there has said nothing");
+        assert!(!told(Some(5), false, PICTURED_US), "the first may be on its way");
+        assert!(told(Some(5), false, 2 * PICTURED_US));
+        assert!(!told(Some(5), true, 2 * PICTURED_US));
     }
 }

@@ -12,6 +12,7 @@
 
 mod cameras;
 mod hold;
+mod losses;
 mod pictures;
 mod publish;
 mod record;
@@ -269,7 +270,13 @@ impl Order<'_> {
         let mut settings = settings.clone();
         settings.sessions = settings.sessions.take().or_else(|| Some(folder_of(self.record?)));
         let hands = self.operator.cameras.iter().map(|camera| (cameras::name(camera), ViewKind::Hand));
-        let eyes = pictures::EYES.map(|eye| (format!("{eye} eye"), ViewKind::Eye));
+        // another station tells how many it has when it is there
+        let eyes = match &self.operator.slave {
+            SlavePlace::Here => self.slave.cameras.len(),
+            SlavePlace::Station(_) => pictures::EYES.len(),
+        };
+        let eyes = pictures::EYES.into_iter().take(eyes);
+        let eyes = eyes.map(|eye| (format!("{eye} eye"), ViewKind::Eye));
         let drives = self.hold == HoldToRun::Console;
         let desk = Desk::new(drives, hands.chain(eyes).collect(), clock.clone(), bell.clone());
         let station = self.station.cloned();

@@ -32,17 +32,27 @@ pub(super) struct Pictures {
     dir: Option<PathBuf>,
     /// Where they are looked at, and the view of the first.
     desk: Option<(Desk, usize)>,
+    /// How many cameras the slave has announced.
+    announced: Option<usize>,
 }
 
 impl Pictures {
     /// Pictures that go to a directory, or nowhere.
     pub(super) fn new(dir: Option<&Path>) -> Self {
-        Self { eyes: Default::default(), dir: dir.map(Path::to_owned), desk: None }
+        Self { eyes: Default::default(), dir: dir.map(Path::to_owned), desk: None, announced: None }
     }
 
     /// They are looked at too, from that view on.
     pub(super) fn show(&mut self, desk: Desk, first: usize) {
         self.desk = Some((desk, first));
+    }
+
+    /// The slave says how many cameras it has.
+    pub(super) fn announced(&mut self, cameras: u8) {
+        let cameras = usize::from(cameras).min(EYES.len());
+        self.announced = Some(cameras);
+        // what another slave of that name has shown is nothing to wait for
+        self.eyes.iter_mut().skip(cameras).for_each(Eye::forget);
     }
 
     /// Takes what came; a line for each eye that has become stale or fresh again.
@@ -90,7 +100,7 @@ impl Pictures {
         (!ages.is_empty()).then(|| format!("pictures {}", ages.join(", ")))
     }
 
-    /// What the console shows of them.
+    /// What the console shows of them: of those that the slave has.
     pub(super) fn views(&self, now_us: u64) -> Vec<PictureView> {
         let first = self.desk.as_ref().map_or(0, |(_, first)| *first);
         let view = |(at, (eye, name)): (usize, (&Eye, &'static str))| PictureView {
@@ -100,7 +110,8 @@ impl Pictures {
             stale: eye.stale,
             count: eye.count,
         };
-        self.eyes.iter().zip(EYES).enumerate().map(view).collect()
+        let cameras = self.announced.unwrap_or(EYES.len());
+        self.eyes.iter().zip(EYES).enumerate().take(cameras).map(view).collect()
     }
 
     /// How many came of each eye.
@@ -140,6 +151,11 @@ pub(super) fn shown(picture: &Received<Picture>) -> Shown {
 }
 
 impl Eye {
+    fn forget(&mut self) {
+        self.newest = None;
+        self.stale = false;
+    }
+
     /// Whoever looks at the file sees the one before or this one, never half of it.
     fn write(&mut self, dir: &Path, name: &str) -> Result<(), OutputError> {
         let Some(picture) = &self.newest else { return Ok(()) };
@@ -188,5 +204,18 @@ mod tests {
         assert_eq!(std::fs::read(&file).unwrap(), b"two");
         let csv = std::fs::read_to_string(dir.path().join("pictures.csv")).unwrap();
         assert_eq!(csv.lines().nth(1), Some("right,2,4,3,1309,true"));
+    }
+
+    #[test]
+    fn as_many_eyes_are_told_as_the_slave_has_cameras() {
+        let names = |pictures: &Pictures| -> Vec<&str> {
+            pictures.views(0).into_iter().map(|view| view.name).collect()
+        };
+        let mut pictures = Pictures::new(None);
+        assert_eq!(names(&pictures), ["left", "right"], "nobody knows yet");
+        for (cameras, told) in [(1, &EYES[..1]), (0, &EYES[..0]), (2, &EYES[..]), (9, &EYES[..])] {
+            pictures.announced(cameras);
+            assert_eq!(names(&pictures), told, "{cameras}");
+        }
     }
 }

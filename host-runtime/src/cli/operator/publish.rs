@@ -1,13 +1,15 @@
 //! What the console is told of the run, at most thirty times a second.
 
 use super::cameras::Cameras;
+use super::losses::Losses;
 use super::pictures::Pictures;
 use super::slave::SlaveLine;
 use crate::console::Desk;
 use crate::console::snapshot::{
-    ArmView, DelayView, GoalView, HandView, Line, LinkView, SlaveView, Snapshot, is_engaged,
+    ArmView, DelayView, GoalView, HandView, Line, LinkView, RecordingView, SlaveView, Snapshot, is_engaged,
 };
 use crate::link::{Link, Peer, Received};
+use crate::session::StationTape;
 use crate::station::operator::OperatorStep;
 use crate::station::{Asked, Operator, SlaveAnnouncement};
 use std::collections::VecDeque;
@@ -32,6 +34,7 @@ pub(super) struct Scene<'a> {
     pub(super) slave: &'a SlaveLine,
     pub(super) link: Option<&'a Link>,
     pub(super) pictures: &'a Pictures,
+    pub(super) tape: Option<&'a StationTape>,
 }
 
 /// See the [module's text](self).
@@ -47,6 +50,8 @@ pub(super) struct Publisher {
     asked: Asked,
     delays: Vec<DelayView>,
     links: Vec<LinkView>,
+    losses: Losses,
+    recording: Option<RecordingView>,
     lines: VecDeque<Line>,
     line: u64,
 }
@@ -89,6 +94,8 @@ impl Publisher {
             asked: Asked::default(),
             delays: Vec::new(),
             links: Vec::new(),
+            losses: Losses::default(),
+            recording: None,
             lines: VecDeque::new(),
             line: 0,
         }
@@ -130,9 +137,16 @@ impl Publisher {
         self.told_us = Some(now_us);
         if due(self.slow_us, SLOW_US) {
             self.slow_us = Some(now_us);
-            self.delays = DelayView::all(scene.station.delays());
+            self.delays = DelayView::all(scene.station.delays(), now_us);
             self.links = links(scene, self.arm.as_ref(), now_us);
+            self.losses.look(&mut self.links, now_us);
+            self.recording = scene.tape.map(recording);
         }
+        let connected = scene.slave.is_connected();
+        let arm =
+            self.arm.as_ref().map(|state| ArmView::of(&state.what, state.received_us, connected, now_us));
+        // what it followed last, nobody knows whether it still does
+        let goal = self.asked.goal().filter(|_| arm.as_ref().is_some_and(|arm| !arm.silent));
         self.sequence += 1;
         self.desk.publish(Snapshot {
             sequence: self.sequence,
@@ -141,16 +155,26 @@ impl Publisher {
                 .hand
                 .as_ref()
                 .map(|(hand, t_us)| HandView { age_us: now_us.saturating_sub(*t_us), ..hand.clone() }),
-            cameras: scene.cameras.views(scene.station.pairing(), now_us),
-            arm: self.arm.as_ref().map(|state| ArmView::of(&state.what, state.received_us, now_us)),
+            cameras: scene.cameras.views(scene.station.pairing(), &self.desk, now_us),
+            arm,
             engaged_share: self.followed.share(),
             slave: self.slave.clone(),
-            goal: self.asked.goal().as_ref().map(GoalView::of),
+            goal: goal.as_ref().map(GoalView::of),
             links: self.links.clone(),
             delays: self.delays.clone(),
             pictures: scene.pictures.views(now_us),
+            recording: self.recording.clone(),
             lines: self.lines.iter().cloned().collect(),
         });
+    }
+}
+
+/// What is recorded, and how it stands.
+fn recording(tape: &StationTape) -> RecordingView {
+    RecordingView {
+        file: tape.path().display().to_string(),
+        left_out: tape.left_out(),
+        failed: tape.has_failed(),
     }
 }
 

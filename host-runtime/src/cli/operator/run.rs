@@ -9,7 +9,7 @@ use super::record::Record;
 use super::report::{self, Memory};
 use super::session;
 use super::slave::SlaveLine;
-use super::talk::{SILENT_US, SLAVE, Talk};
+use super::talk::{SILENT_US, SLAVE, Talk, log_arm};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::keyboard::scale_words;
 use crate::cli::memory::resident_kb;
@@ -196,8 +196,9 @@ impl Run {
 
     fn publish(&mut self, now_us: u64) {
         let Some(publisher) = &mut self.publisher else { return };
-        let Parts { station, cameras, slave, link, .. } = &self.parts;
-        let scene = Scene { station, cameras, slave, link: link.as_ref(), pictures: &self.pictures };
+        let Parts { station, cameras, slave, link, tape, .. } = &self.parts;
+        let (link, tape, pictures) = (link.as_ref(), tape.as_ref(), &self.pictures);
+        let scene = Scene { station, cameras, slave, link, pictures, tape };
         publisher.publish(&scene, now_us);
     }
 
@@ -262,6 +263,7 @@ impl Run {
                         scale = slave.scale,
                         "the slave is there"
                     );
+                    self.pictures.announced(slave.cameras);
                     if let Some(publisher) = &mut self.publisher {
                         publisher.announced(&slave);
                     }
@@ -391,19 +393,5 @@ impl Run {
         lines.extend(self.tape_lines.iter().cloned());
         lines.extend(self.slave_lines.iter().map(|(label, line)| format!("{label:<15} {line}")));
         lines
-    }
-}
-
-/// Logs what became of the arm, where that is another state or another reason.
-fn log_arm(before: Option<&ArmStatePacket>, now: &ArmStatePacket) {
-    if before.is_some_and(|before| (before.state, before.reason) == (now.state, now.reason)) {
-        return;
-    }
-    let (standing, slave_time_us) = (arm_words::standing(now), now.time_us);
-    match now.state {
-        ArmState::Stopped | ArmState::Fault => tracing::warn!(slave_time_us, "arm {standing}"),
-        ArmState::Armed | ArmState::Engaged | ArmState::Hold => {
-            tracing::info!(slave_time_us, "arm {standing}")
-        }
     }
 }

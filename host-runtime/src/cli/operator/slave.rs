@@ -8,13 +8,14 @@ use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::inbox::Inbox;
 use crate::link::local::{self, LocalEnd};
 use crate::link::{Carrier, Doorbell, Link, Peer, Picture, Received, StationName};
+use crate::locked::lock;
 use crate::output::ArmRecord;
 use crate::robot::clock::Clock;
 use crate::settings::station::SlaveSettings;
 use crate::station::{Cycle, LinkedSlave, Overseen, Overseer, SceneCameras, SlaveAnnouncement};
 use anyhow::Context as _;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use tetrad_core::arm::teleop::State;
 use tetrad_core::wire::{EncodeError, Packet};
@@ -183,8 +184,7 @@ fn port_reason(slave: &LinkedSlave<LocalEnd>, cycle: &Cycle) -> Option<String> {
 
 impl Desk {
     fn notices(&self) -> MutexGuard<'_, Vec<String>> {
-        // plain data: whoever panicked with the lock left it whole
-        self.notices.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.notices)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::station::arm_words;
 use crate::station::operator::OperatorStep;
-use tetrad_core::wire::ArmStatePacket;
+use tetrad_core::wire::{ArmState, ArmStatePacket};
 
 /// How often the live line is written, microseconds.
 const LIVE_US: u64 = 1_000_000;
@@ -96,10 +96,24 @@ impl Talk {
     }
 }
 
+/// Logs what became of the arm, where that is another state or another reason.
+pub(super) fn log_arm(before: Option<&ArmStatePacket>, now: &ArmStatePacket) {
+    if before.is_some_and(|before| (before.state, before.reason) == (now.state, now.reason)) {
+        return;
+    }
+    let (standing, slave_time_us) = (arm_words::standing(now), now.time_us);
+    match now.state {
+        ArmState::Stopped | ArmState::Fault => tracing::warn!(slave_time_us, "arm {standing}"),
+        ArmState::Armed | ArmState::Engaged | ArmState::Hold => {
+            tracing::info!(slave_time_us, "arm {standing}")
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tetrad_core::wire::{ArmReason, ArmState};
+    use tetrad_core::wire::ArmReason;
     use tetrad_fixtures::packets;
 
     #[test]

@@ -180,6 +180,13 @@ async fn only_its_own_names_are_answered() {
     let with = |host| [("host", host), ("authorization", bearer.as_str())];
     assert_eq!(get_of("/", &with("10.0.0.3:8443"), &access).await, StatusCode::OK);
     assert_eq!(get_of("/", &with("evil.example"), &access).await, StatusCode::MISDIRECTED_REQUEST);
+    // nobody makes a name of the certificate's resolve to it whom the authority has not named so
+    let made = rcgen::generate_simple_self_signed(["operator".to_owned()]).unwrap();
+    let access = Access { certificate: Some(made.cert.der().clone()), ..access };
+    assert_eq!(get_of("/", &with("Operator:8443"), &access).await, StatusCode::OK);
+    for host in ["operator.evil.example", "evil.example"] {
+        assert_eq!(get_of("/", &with(host), &access).await, StatusCode::MISDIRECTED_REQUEST, "{host}");
+    }
 }
 
 #[tokio::test]

@@ -2,7 +2,7 @@ use super::*;
 use crate::console::app::app;
 use crate::console::control::Tab;
 use crate::console::desk::Desk;
-use crate::console::snapshot::{ArmView, CameraView};
+use crate::console::snapshot::{ArmView, CameraView, SpreadView};
 use crate::console::{Access, ViewKind};
 use crate::link::clock::ClockEstimate;
 use crate::link::{Doorbell, LinkStats};
@@ -55,7 +55,8 @@ fn link(name: &str, clock: Option<ClockEstimate>) -> LinkView {
         pictures_received: 0,
         pictures_sent: Default::default(),
     };
-    LinkView::of(name, clock.is_some(), &stats, 4_020_000)
+    let link = LinkView::of(name, clock.is_some(), &stats, 4_020_000);
+    LinkView { loss_lately: Some(0.5), ..link }
 }
 
 #[tokio::test]
@@ -91,7 +92,7 @@ async fn a_link_is_told_with_its_age_loss_way_and_clock() {
             "# TYPE tetrad_link_sent_packets_total counter",
             "tetrad_link_sent_packets_total{station=\"left\"} 12",
             "tetrad_link_lost_packets_total{station=\"left\"} 3",
-            "tetrad_link_loss_ratio{station=\"left\"} 0.25",
+            "tetrad_link_loss_ratio{station=\"left\"} 0.5",
             "tetrad_link_round_trip_seconds{station=\"left\"} 0.0015",
             "tetrad_link_clock_offset_seconds{station=\"left\"} -2.5",
             "tetrad_link_clock_error_seconds{station=\"left\"} 0.0004",
@@ -111,7 +112,7 @@ async fn ages_go_on_while_the_loop_tells_nothing() {
     let told = Snapshot {
         time_us: 5_000_000,
         cameras: vec![camera("left", Some(20_000)), camera("right", None)],
-        arm: Some(ArmView::of(&arm, 4_970_000, 5_000_000)),
+        arm: Some(ArmView::of(&arm, 4_970_000, true, 5_000_000)),
         links: vec![link("slave", None)],
         ..Snapshot::default()
     };
@@ -127,6 +128,31 @@ async fn ages_go_on_while_the_loop_tells_nothing() {
     );
     let unknown = "tetrad_camera_age_seconds{camera=\"right\"}";
     assert!(!metrics.contains(unknown), "one that was never heard has no age:\n{metrics}");
+}
+
+/// A monitor reads how long stages take now, not since this morning.
+#[tokio::test]
+async fn delays_and_the_arm_are_told_as_they_are_now() {
+    let spread = |ms: f64, count| SpreadView { count, p50_ms: ms, p99_ms: ms * 2.0, max_ms: ms * 3.0 };
+    let delay = |stage, lately| DelayView { stage, all: spread(4.0, 90), lately };
+    let arm = packets::arm_state(ArmState::Engaged, ArmReason::None);
+    let told = Snapshot {
+        arm: Some(ArmView::of(&arm, 0, true, 3_000_000)),
+        delays: vec![delay("slow now", Some(spread(80.0, 7))), delay("over", None)],
+        ..Snapshot::default()
+    };
+    let metrics = read(told).await;
+    has(
+        &metrics,
+        &[
+            "tetrad_delay_seconds{stage=\"slow now\",quantile=\"0.5\"} 0.08",
+            "tetrad_delay_seconds{stage=\"slow now\",quantile=\"0.99\"} 0.16",
+            "tetrad_delay_seconds_count{stage=\"slow now\"} 90",
+            "tetrad_delay_seconds_count{stage=\"over\"} 90",
+            "tetrad_arm_state{state=\"engaged\"} 0",
+        ],
+    );
+    assert!(!metrics.contains("{stage=\"over\",quantile"), "{metrics}");
 }
 
 /// Every sample is a number of a family that was told of before it, once.

@@ -5,12 +5,9 @@
 // homed.
 
 import { Hold } from "./hold.js";
-import { find, isTyping, write } from "./page.js";
+import { find, isTyping, keptName, write } from "./page.js";
 
 const HERE_MS = 500;
-
-// Percent of the slave's scale that can be chosen, as at the terminal (keyboard.rs).
-const SCALES = [2, 5, 10, 25, 50, 100];
 
 // STOP, for one, has the focus once it was clicked.
 const SPACE_ELSEWHERE = " The space bar is now for what has the focus: M gives it to the arm.";
@@ -22,6 +19,8 @@ export class Controls {
   #hold;
   #control = null;
   #message = "";
+  // percent of the slave's scale that can be chosen, as at the terminal
+  #scales = [100];
 
   constructor(live) {
     this.#live = live;
@@ -55,6 +54,9 @@ export class Controls {
     setInterval(() => {
       if (this.#control?.yours && !this.#hold.isHeld) live.send({ type: "here" });
     }, HERE_MS);
+    live.addEventListener("hello", ({ detail }) => {
+      this.#scales = detail.scales;
+    });
     live.addEventListener("refused", ({ detail }) => {
       this.#message = detail.why;
     });
@@ -85,8 +87,8 @@ export class Controls {
     const counts = held && control.pressed;
     find("hold").setAttribute("aria-pressed", String(counts && !this.#hold.isForHome));
     find("hold-home").setAttribute("aria-pressed", String(counts && this.#hold.isForHome));
-    find("less").disabled = !control.yours || control.scale_percent <= SCALES[0];
-    find("more").disabled = !control.yours || control.scale_percent >= SCALES.at(-1);
+    find("less").disabled = !control.yours || control.scale_percent <= this.#scales[0];
+    find("more").disabled = !control.yours || control.scale_percent >= this.#scales.at(-1);
     write(find("scale"), `${control.scale_percent} %`);
     document.body.classList.toggle("stopped", control.stopped);
     // that somebody has stopped the arm is more than why a press did not count
@@ -105,7 +107,7 @@ export class Controls {
 
   #take() {
     this.#message = "";
-    this.#live.send({ type: "take", name: "" });
+    this.#live.send({ type: "take", name: keptName() });
     this.#hold.letGo();
   }
 
@@ -127,7 +129,7 @@ export class Controls {
     if (!this.#control?.yours) return;
     this.#message = "";
     const now = this.#control.scale_percent;
-    const percent = step < 0 ? SCALES.findLast((percent) => percent < now) : SCALES.find((percent) => percent > now);
+    const percent = step < 0 ? this.#scales.findLast((percent) => percent < now) : this.#scales.find((percent) => percent > now);
     if (percent !== undefined) this.#live.send({ type: "scale", percent });
     // a button that was pressed has done its work, and leaves the space bar to the arm
     if (document.activeElement === find("less") || document.activeElement === find("more")) this.#hold.takeFocus();

@@ -3,7 +3,9 @@
 import { Controls } from "./controls.js";
 import { Gauges } from "./gauges.js";
 import { Live } from "./live.js";
-import { find, items, lines, ms, rows, watchLink, write } from "./page.js";
+import {
+  find, isEngaged, items, keepName, keptName, KNOWN, lines, ms, rows, standingOf, viewsOf, watchLink, write,
+} from "./page.js";
 import { DelayPlot } from "./plot-delays.js";
 import { ENLARGED, Scene } from "./scene.js";
 import { stopWith } from "./stop.js";
@@ -15,23 +17,16 @@ const READ_MS = 100;
 // A scale may be small.
 const SIGNIFICANT = new Intl.NumberFormat("en", { maximumSignificantDigits: 2 });
 
-// How the hand's pose is known.
-const KNOWN = {
-  both: "all balls in two cameras",
-  three: "two cameras, not all balls",
-  one: "one camera alone",
-  predicted: "its past motion: not seen",
-  held: "its last place: not seen",
-  lost: "nothing: lost",
-};
-
 const live = new Live();
 stopWith(live, find("stop"));
 watchLink(live, find("link"));
 const controls = new Controls(live);
 const gauges = new Gauges(find("gauges"));
 const delays = new DelayPlot(find("delay-plot"));
+let told = [];
 let views = null;
+// the views that are shown
+let shown = "";
 let scene = null;
 let readMs = -Infinity;
 
@@ -39,21 +34,42 @@ fetch("/api/arm")
   .then((answer) => answer.json())
   .then(({ links }) => {
     scene = new Scene(find("scene"), links);
+    find("nearer").addEventListener("click", () => scene.nearer());
+    find("farther").addEventListener("click", () => scene.farther());
   })
   .catch(() => write(find("scene-words"), "the arm's links did not come: load the page again"));
 
 live.addEventListener("hello", ({ detail }) => {
-  // a console that was started again has the same views
-  views ??= new Views(places(detail.views), live);
+  told = detail.views;
 });
 
-function places(told) {
+function look(snapshot) {
+  const now = viewsOf(told, snapshot);
+  const key = JSON.stringify(now);
+  if (key !== shown) {
+    shown = key;
+    views?.close();
+    views = new Views(places(now), live);
+  }
+  views.explain(snapshot.cameras);
+}
+
+// Whoever looks closely at the arm goes on holding the space bar.
+for (const id of ["nearer", "farther"]) find(id).addEventListener("mousedown", (event) => event.preventDefault());
+
+const name = find("name");
+name.value = keptName();
+// also where the page is left without another word
+name.addEventListener("input", () => keepName(name.value));
+
+function places(all) {
   const grid = find("views");
-  return told.map((view, at) => {
+  grid.replaceChildren();
+  return all.map((view) => {
     const figure = figureOf(view.kind === "eye" ? `arm, ${view.name}` : view.name);
     figure.classList.add(view.kind);
     grid.append(figure);
-    return [at, figure];
+    return [view.at, figure];
   });
 }
 
@@ -73,6 +89,7 @@ function show({ control, snapshot }) {
   const now = performance.now();
   if (now - readMs < READ_MS) return;
   readMs = now;
+  look(snapshot);
   scene?.show(snapshot);
   showHand(snapshot);
   gauges.show(snapshot.hand?.sigma_mm ?? null, snapshot.hand?.sigma_deg ?? null);
@@ -82,12 +99,13 @@ function show({ control, snapshot }) {
 }
 
 function showArm(arm) {
-  document.body.classList.toggle("engaged", arm?.state === "engaged");
-  write(find("standing"), arm ? arm.standing : "not heard yet");
-  items(find("limits"), arm ? arm.limits : []);
+  document.body.classList.toggle("engaged", isEngaged(arm));
+  document.body.classList.toggle("unheard", Boolean(arm?.silent));
+  write(find("standing"), standingOf(arm));
+  items(find("limits"), arm && !arm.silent ? arm.limits : []);
 }
 
-function showHand({ hand, engaged_share: share, arm, slave, pictures }) {
+function showHand({ hand, engaged_share: share, arm, slave, pictures, recording }) {
   const axes = (values, digits) => values.map((value) => value.toFixed(digits)).join(", ");
   const facts = [];
   if (hand) {
@@ -110,15 +128,21 @@ function showHand({ hand, engaged_share: share, arm, slave, pictures }) {
   for (const picture of pictures) {
     if (picture.count) facts.push([`${picture.name} eye`, `${ms(picture.age_us)} old${picture.stale ? ", STALE" : ""}`]);
   }
+  if (recording) facts.push(["recorded", recorded(recording)]);
   const texts = facts.flat();
   const list = find("hand");
   while (list.children.length > texts.length) list.lastElementChild.remove();
   texts.forEach((text, at) => {
     write(list.children[at] ?? list.appendChild(document.createElement(at % 2 ? "dd" : "dt")), text);
   });
-  const asked = arm?.state === "engaged" && !arm.goes_home ? "; dotted: asked by the hand" : "";
+  const asked = isEngaged(arm) && !arm.goes_home ? "; dotted: asked by the hand" : "";
   const known = hand?.covariance_mm2 ? `; rings: how well the hand is known, x ${ENLARGED}` : "";
-  write(find("scene-words"), `solid: measured; dashed: told${asked}${known}`);
+  write(find("scene-words"), `${arm?.silent ? "hollow: as last measured; dashed: as last told" : "solid: measured; dashed: told"}${asked}${known}`);
+}
+
+function recorded({ file, left_out: leftOut, failed }) {
+  if (failed) return `${file}: WRITING HAS FAILED, nothing more is recorded`;
+  return leftOut ? `${file}: ${leftOut} messages were LEFT OUT, the disk is behind` : file;
 }
 
 function showTables({ cameras, links, delays: stages }) {
@@ -135,12 +159,17 @@ function showTables({ cameras, links, delays: stages }) {
     links.map((link) => [
       link.name,
       link.connected ? ms(link.age_us) : "AWAY",
-      link.loss === null ? "same program" : `${(link.loss * 100).toFixed(1)} %`,
+      link.loss === null ? "same program" : `${percent(link.loss_lately)} (${percent(link.loss)} in all)`,
       link.round_trip_us === null ? "" : `${(link.round_trip_us / 1000).toFixed(2)} ms`,
     ]),
   );
   rows(
     find("delays"),
-    stages.map((delay) => [delay.stage, delay.p50_ms.toFixed(2), delay.p99_ms.toFixed(2), delay.max_ms.toFixed(2)]),
+    stages.map(({ stage, lately, ...all }) => [stage, ...[lately, all].flatMap(spread)]),
   );
 }
+
+const percent = (share) => (share === null || share === undefined ? "none sent" : `${(share * 100).toFixed(1)} %`);
+
+// Half within, 99 of 100 within, the longest, milliseconds; null where nothing was measured.
+const spread = (of) => [of?.p50_ms, of?.p99_ms, of?.max_ms].map((value) => value?.toFixed(2) ?? "");

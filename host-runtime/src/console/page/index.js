@@ -1,34 +1,35 @@
 // Overview: what is ready and what is not, in words.
 
 import { Live } from "./live.js";
-import { find, items, lines, ms, watchLink, write } from "./page.js";
+import { find, isHeard, items, KNOWN, lines, ms, watchLink, write } from "./page.js";
 import { stopWith } from "./stop.js";
 
 const live = new Live();
 stopWith(live, find("stop"));
 watchLink(live, find("link"));
 
-// What is older is not heard any more.
-const OLD_US = 1e6;
-
 const mark = (good) => (good ? "\u2713" : "\u2717");
 
 live.addEventListener("live", ({ detail: { control, snapshot } }) => {
   const checks = snapshot.cameras.map((camera) => {
     const seen = camera.balls.filter((ball) => ball.state === "visible" || ball.state === "occluded").length;
-    const heard = camera.age_us !== null && camera.age_us < OLD_US;
-    return `${mark(seen === 4 && heard)} ${camera.name}: ${seen} of 4 balls, heard ${ms(camera.age_us)} ago`;
+    return `${mark(seen === 4 && isHeard(camera.age_us))} ${camera.name}: ${seen} of 4 balls, heard ${ms(camera.age_us)} ago`;
   });
   const hand = snapshot.hand;
-  checks.push(`${mark(hand?.position_mm)} hand: ${hand ? hand.state : "not seen yet"}`);
+  const known = hand ? `known by ${KNOWN[hand.state] ?? hand.state}, ${ms(hand.age_us)} ago` : "not seen yet";
+  checks.push(`${mark(hand?.position_mm && isHeard(hand.age_us))} hand: ${known}`);
   for (const link of snapshot.links) {
     checks.push(`${mark(link.connected)} ${link.name}: ${link.connected ? `heard ${ms(link.age_us)} ago` : "AWAY"}`);
   }
   const arm = snapshot.arm;
-  checks.push(`${mark(arm && arm.state !== "fault")} arm: ${arm ? arm.standing : "not heard yet"}`);
-  if (arm) checks.push(`${mark(arm.controller === "ready")} controller: ${arm.controller}`);
-  const { slave } = snapshot;
+  checks.push(`${mark(arm && arm.state !== "fault" && !arm.silent)} arm: ${arm ? arm.standing : "not heard yet"}`);
+  if (arm) checks.push(`${mark(arm.controller === "ready" && !arm.silent)} controller: ${arm.controller}`);
+  const { slave, recording } = snapshot;
   if (slave) checks.push(`${mark(true)} at the slave: ${slave.port}${slave.moves_an_arm ? ", AN ARM THAT MOVES" : ", nothing that moves"}`);
+  if (recording) {
+    const words = recording.failed ? "WRITING HAS FAILED" : recording.left_out ? `${recording.left_out} messages left out` : "all of it";
+    checks.push(`${mark(!recording.failed && !recording.left_out)} recorded to ${recording.file}: ${words}`);
+  }
   checks.push(
     control.drives
       ? `${mark(!control.stopped)} buttons: here; ${control.holder ?? "nobody"} is in control${control.stopped ? "; stopped: reset on the drive page" : ""}`

@@ -2,6 +2,9 @@
 
 const SILENT_MS = 500;
 
+// The same of a camera or of the hand, by the operator's clock; it says so of the arm itself.
+const SILENT_US = 5e5;
+
 // There and back: the console takes no press from a page that has heard of it longer ago (HEARD_US of control.rs).
 const LATE_MS = 250;
 
@@ -17,6 +20,51 @@ export function ms(us) {
 }
 
 export const inWords = (milliseconds) => ms(milliseconds * 1000);
+
+// Whether something of that age is known now; one without an age never came.
+export const isHeard = (us) => us !== null && us !== undefined && us <= SILENT_US;
+
+// Whether the arm is known to move by the button; what was heard of a slave that is silent says nothing of now.
+export const isEngaged = (arm) => arm?.state === "engaged" && !arm.silent;
+
+// What is said of an arm that is silent: the same for as long as it is, for readers of the screen.
+const SILENT = "Its slave is silent: nobody knows what the arm does.";
+
+export const standingOf = (arm) => (!arm ? "not heard yet" : arm.silent ? SILENT : arm.standing);
+
+// The views to look at, each with its number: of the arm's cameras those that its slave has, as far as it has said.
+export const viewsOf = (told, { pictures }) =>
+  told.map((view, at) => ({ ...view, at })).filter(({ kind, at }) => kind !== "eye" || pictures.some(({ view }) => view === at));
+
+// How the hand's pose is known.
+export const KNOWN = {
+  both: "all balls in two cameras",
+  three: "two cameras, not all balls",
+  one: "one camera alone",
+  predicted: "its past motion: not seen",
+  held: "its last place: not seen",
+  lost: "nothing: lost",
+};
+
+// What the operator is called where control is taken, as this browser keeps it.
+const NAME = "tetrad-name";
+
+export function keptName() {
+  try {
+    return localStorage.getItem(NAME) ?? "";
+  } catch {
+    // a browser may keep nothing
+    return "";
+  }
+}
+
+export function keepName(name) {
+  try {
+    localStorage.setItem(NAME, name.trim());
+  } catch {
+    // it counts as long as nobody asks for it
+  }
+}
 
 // What takes letters, and what has keys of its own beside those.
 const TEXT = "textarea, input:not([type=radio], [type=checkbox], [type=range], [type=file], [type=number])";
@@ -64,10 +112,13 @@ export function watchLink(live, element) {
     const late = !silent && (tripMs > LATE_MS || (age !== null && age.ms + age.within > SILENT_MS));
     document.body.classList.toggle("silent", silent);
     document.body.classList.toggle("late", late);
-    write(trip, silent || tripMs === null ? "" : `${inWords(tripMs)} there and back`);
-    const since = Number.isFinite(live.silentMs) ? ` for ${(live.silentMs / 1000).toFixed(1)} s: what you see is old` : "";
-    const old = age === null ? "" : `: what you see is ${inWords(age.ms)} old`;
-    write(element, silent ? `NO CONNECTION${since}` : late ? `LATE${old}` : "connected");
+    const known = Number.isFinite(live.silentMs);
+    const since = known ? `for ${(live.silentMs / 1000).toFixed(1)} s` : "";
+    const old = late && age !== null ? [`${inWords(age.ms)} old`] : [];
+    const there = tripMs === null ? [] : [`${inWords(tripMs)} there and back`];
+    write(trip, silent ? since : [...old, ...there].join(", "));
+    const words = silent ? "NO CONNECTION" : late ? "LATE" : "connected";
+    write(element, (silent && known) || late ? `${words}: what you see is old` : words);
   };
   setInterval(tell, 100);
   live.addEventListener("lost", tell);

@@ -17,6 +17,7 @@ export class Pictures {
   #views;
   #show;
   #socket = null;
+  #closed = false;
 
   // `show(view, picture, header)` draws one; the picture is closed after it.
   constructor(views, show) {
@@ -26,9 +27,15 @@ export class Pictures {
     this.#attend();
   }
 
+  // Nothing is shown any more.
+  close() {
+    this.#closed = true;
+    this.#attend();
+  }
+
   // Nobody looks at a hidden tab.
   #attend() {
-    if (document.hidden) {
+    if (document.hidden || this.#closed) {
       this.#socket?.close();
       this.#socket = null;
     } else if (!this.#socket && this.#views.length) {

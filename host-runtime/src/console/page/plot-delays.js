@@ -13,7 +13,7 @@ export class DelayPlot {
 
   // `delays` as the snapshot has them.
   show(delays) {
-    const told = JSON.stringify(delays);
+    const told = JSON.stringify(delays.map(({ stage, lately }) => [stage, lately]));
     if (told === this.#shown) return;
     this.#shown = told;
     // the first stage is to be the uppermost
@@ -22,7 +22,8 @@ export class DelayPlot {
       type: "bar",
       orientation: "h",
       name,
-      x: stages.map((delay) => delay[key]),
+      // what was not measured lately has no bar
+      x: stages.map(({ lately }) => lately?.[key] ?? null),
       y: stages.map(({ stage }) => stage),
       marker: { color: colour(fill), line: { color: colour("--text"), width: 1 }, pattern: { shape, fgcolor: colour("--text"), size: 6, solidity: 0.25 } },
       hovertemplate: `%{y}: %{x:.2f} ms (${name})<extra></extra>`,

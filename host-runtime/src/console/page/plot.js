@@ -44,7 +44,8 @@ export class Plot {
     new ResizeObserver(() => this.#fit()).observe(element);
   }
 
-  // No text may have tags: plotly makes inline styles of them, which the policy forbids. `make` is asked for { traces, layout } as plotly takes them; it may ask for colours (palette.js).
+  // `make` is asked for { traces, layout } as plotly takes them; it may ask for colours (palette.js). No text may have
+  // tags: plotly makes inline styles of them, which the policy forbids.
   async draw(make) {
     this.#newest = make;
     const Plotly = await plotly();

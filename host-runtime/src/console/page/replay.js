@@ -19,8 +19,10 @@ const BALLS = ["red", "green", "blue", "yellow"];
 
 const slider = find("slider");
 let session = null; // what is open: name, length_us, cameras ...
+let opening = ""; // what is being opened
 let at = null; // the moment that is shown
 let wantedUs = null;
+let placeUs = null; // what was wanted last
 let asking = false;
 let playing = null; // when it began to play, and from where
 
@@ -38,7 +40,8 @@ function tell(words, bad = false) {
   find("about").classList.toggle("bad", bad);
 }
 
-async function list() {
+// Which sessions there are; `again`: what is open may have grown.
+async function list(again) {
   try {
     const { folder, why, sessions } = await (await ask("/api/sessions")).json();
     const texts = sessions.map((one) => {
@@ -47,10 +50,10 @@ async function list() {
     });
     const choices = texts.length ? [["", "choose one ..."], ...texts] : [["", folder ? `none in ${folder} yet` : "none"]];
     find("session").replaceChildren(...choices.map(([value, text]) => new Option(text, value)));
-    const wanted = session?.name ?? new URLSearchParams(location.search).get("session") ?? "";
+    const wanted = opening || session?.name || (new URLSearchParams(location.search).get("session") ?? "");
     if (sessions.some((one) => one.name === wanted)) {
       find("session").value = wanted;
-      if (session?.name !== wanted) await open(wanted);
+      if (session?.name === wanted ? again : !opening) await open(wanted);
     } else if (!session) {
       tell(why ?? (wanted ? `There is no session ${wanted} in ${folder}.` : ""), wanted !== "");
     }
@@ -59,23 +62,26 @@ async function list() {
   }
 }
 
+// Opens a session; one that is open already is gone on with where it was.
 async function open(name) {
-  pause();
+  const fromUs = session?.name === name ? placeUs : null;
+  clear();
+  opening = name;
   tell(`Looking through ${name} ...`);
   try {
-    session = await (await ask(path(name))).json();
+    const one = await (await ask(path(name))).json();
+    // who has chosen another meanwhile waits for that
+    if (opening !== name) return;
+    session = one;
   } catch (error) {
-    session = null;
-    tell(error.message, true);
+    if (opening === name) tell(error.message, true);
+    return;
+  } finally {
+    if (opening === name) opening = "";
   }
-  at = null;
-  const some = session !== null && session.length_us > 0;
+  const some = session.length_us > 0;
   for (const id of ["play", "back", "on", "slider"]) find(id).disabled = !some;
-  find("whole").disabled = session === null;
-  items(find("files"), []);
-  write(find("progress"), "");
-  find("plots").replaceChildren();
-  if (!session) return;
+  find("whole").disabled = false;
   const url = new URL(location.href);
   url.searchParams.set("session", name);
   history.replaceState(null, "", url);
@@ -85,8 +91,27 @@ async function open(name) {
   slider.max = session.length_us;
   slider.value = 0;
   find("views").replaceChildren(...session.cameras.map(view));
-  want(session.first_us);
+  want(fromUs ?? session.first_us);
   follow(false);
+}
+
+// Nothing of a session that was open is shown under the name of another.
+function clear() {
+  pause();
+  session = null;
+  at = null;
+  wantedUs = null;
+  for (const id of ["play", "back", "on", "slider", "whole"]) find(id).disabled = true;
+  for (const id of ["views", "plots", "limits", "arm", "hand", "cameras", "told", "files"]) find(id).replaceChildren();
+  write(find("standing"), "nothing is open");
+  write(find("time"), seconds(0));
+  progress("");
+}
+
+// How far the reading of all of it is; readers of the screen are not told each share of it.
+function progress(words, share = "") {
+  write(find("progress"), words);
+  write(find("share"), share);
 }
 
 function view(camera) {
@@ -109,6 +134,7 @@ function view(camera) {
 // Shows that moment as soon as what is being asked for has come.
 function want(us) {
   wantedUs = Math.min(Math.max(Math.round(us), 0), session?.length_us ?? 0);
+  placeUs = wantedUs;
   if (document.activeElement !== slider || playing) slider.value = wantedUs;
   slider.setAttribute("aria-valuetext", seconds(wantedUs));
   if (!asking) show();
@@ -116,9 +142,11 @@ function want(us) {
 
 async function show() {
   asking = true;
+  let one = null;
   try {
     while (wantedUs !== null && session) {
-      const [one, us] = [session, wantedUs];
+      one = session;
+      const us = wantedUs;
       wantedUs = null;
       const moment = await (await ask(`${path(one.name)}/moment?t_us=${us}`)).json();
       const pictures = await Promise.all(moment.cameras.map((camera, number) => picture(one, camera, number, us)));
@@ -129,11 +157,15 @@ async function show() {
       facts(moment);
     }
   } catch (error) {
-    pause();
-    tell(error.message, true);
+    if (session === one) {
+      pause();
+      tell(error.message, true);
+    }
   } finally {
     asking = false;
   }
+  // another was opened while this one failed
+  if (session !== one && wantedUs !== null) show();
 }
 
 async function picture(one, camera, number, us) {
@@ -168,10 +200,13 @@ function define(list, pairs) {
 
 function facts({ cameras, hand, arm, buttons, lines: told }) {
   write(find("standing"), arm ? arm.standing : "no arm is recorded by then");
-  items(find("limits"), (arm?.slowed ?? []).map((why) => `slowed: ${why}`));
-  const button = !buttons ? "not recorded" : buttons.stop ? "STOP" : buttons.pressed ? "held" : "let go";
+  items(find("limits"), arm?.slowed ?? []);
+  const held = buttons?.home ? "held for the way home" : "held";
+  const button = !buttons ? "not recorded" : buttons.stop ? "STOP" : buttons.pressed ? held : "let go";
+  const scale = buttons?.scale_percent ?? null;
   define(find("arm"), arm ? [
     ["Hold-to-run", button],
+    ["Scale of the next press", scale === null ? "not recorded" : `${scale} % of the slave's`],
     ["Share of its speed", `${(arm.speed_share * 100).toFixed(0)} %`],
     ["Heard", `${ms(arm.age_us)} before`],
     ["Newest motion, age", ms(arm.command_age_us)],
@@ -251,7 +286,7 @@ slider.addEventListener("input", () => step(Number(slider.value)));
 find("play").addEventListener("click", play);
 find("back").addEventListener("click", () => step(at?.previous_us ?? 0));
 find("on").addEventListener("click", () => step(at?.next_us));
-find("again").addEventListener("click", list);
+find("again").addEventListener("click", () => list(true));
 find("session").addEventListener("change", (event) => event.target.value && open(event.target.value));
 find("whole").addEventListener("click", () => follow(true));
 
@@ -261,7 +296,7 @@ async function follow(begin) {
   try {
     let told = await (await ask(`${path(one.name)}/whole`, { method: begin ? "POST" : "GET" })).json();
     while (told.state === "reading" && session === one) {
-      write(find("progress"), `reading: ${(told.share * 100).toFixed(0)} %`);
+      progress("reading:", `${(told.share * 100).toFixed(0)} %`);
       await new Promise((done) => setTimeout(done, 300));
       told = await (await ask(`${path(one.name)}/whole`)).json();
     }
@@ -269,12 +304,12 @@ async function follow(begin) {
     if (told.state === "failed") throw new Error(told.why);
     if (told.state === "ready") await plots(one, told);
   } catch (error) {
-    write(find("progress"), error.message);
+    if (session === one) progress(error.message);
   }
 }
 
 async function plots(one, { files, sections }) {
-  write(find("progress"), "Read. To be saved:");
+  progress("Read. To be saved:");
   find("files").replaceChildren(...files.map((file) => {
     const link = document.createElement("a");
     link.href = `${path(one.name)}/files/${file.name}`;
@@ -304,8 +339,9 @@ async function plots(one, { files, sections }) {
     for (const [at, { data, layout }] of panels.entries()) {
       // what hides and shows curves is a click on their names
       await new Plot(places[at]).draw(() => ({ traces: data, layout }));
+      if (session !== one) return;
     }
   }
 }
 
-list();
+list(false);

@@ -59,7 +59,10 @@ export function triangle(k) {
 const START = { yaw: -0.9, pitch: 0.35, distance: 3.9 };
 const TARGET = [0.1, -0.15, 0.7];
 
-// The eye: it goes round a point of the scene, by pointer, wheel or keys.
+// A step nearer, of the distance.
+const NEARER = 0.9;
+
+// The eye: it goes round a point of the scene, by pointer or keys, and nearer or farther by keys or wheel.
 export class Eye {
   #canvas;
   #moved;
@@ -75,6 +78,8 @@ export class Eye {
     canvas.addEventListener(
       "wheel",
       (event) => {
+        // a page that is scrolled does not stop here
+        if (document.activeElement !== canvas) return;
         event.preventDefault();
         this.#go(0, 0, Math.exp(event.deltaY * 0.001));
       },
@@ -83,14 +88,22 @@ export class Eye {
     canvas.addEventListener("keydown", (event) => this.#key(event));
   }
 
+  nearer() {
+    this.#go(0, 0, NEARER);
+  }
+
+  farther() {
+    this.#go(0, 0, 1 / NEARER);
+  }
+
   #key(event) {
     const steps = {
       ArrowLeft: [-0.1, 0, 1],
       ArrowRight: [0.1, 0, 1],
       ArrowUp: [0, 0.1, 1],
       ArrowDown: [0, -0.1, 1],
-      "+": [0, 0, 0.9],
-      "-": [0, 0, 1 / 0.9],
+      "+": [0, 0, NEARER],
+      "-": [0, 0, 1 / NEARER],
     };
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === "Home") {

@@ -39,6 +39,15 @@ export class Scene {
     this.#again();
   }
 
+  // For who has neither wheel nor keys.
+  nearer() {
+    this.#eye.nearer();
+  }
+
+  farther() {
+    this.#eye.farther();
+  }
+
   #again() {
     if (this.#due || !this.#newest) return;
     this.#due = true;
@@ -168,11 +177,13 @@ function floor(page, slave) {
     page.word(end, name, soft, 2, 4);
   });
   if (!slave) return;
+  // more than the grid: the tool stops there
+  const edge = colour("--edge");
   const [low, high] = [slave.workspace_min_mm, slave.workspace_max_mm].map((corner) => times(corner, 1e-3));
   const corner = (bits) => [0, 1, 2].map((axis) => (bits & (1 << axis) ? high : low)[axis]);
   for (let bits = 0; bits < 8; bits += 1) {
     for (const axis of [1, 2, 4]) {
-      if (!(bits & axis)) page.line(corner(bits), corner(bits | axis), line, 1, [3, 5]);
+      if (!(bits & axis)) page.line(corner(bits), corner(bits | axis), edge, 1, [3, 5]);
     }
   }
 }
@@ -188,13 +199,16 @@ function drawArm(page, links, arm, goal) {
     // the tool is where the last link is, as it is for the joints that were told
     const end = compose(is.pose, compose(inverse(told.pose), tool));
     shadow(page, [...is.corners.map(({ at }) => at), end.t]);
-    solid(page, is.corners, end);
+    // hollow: that it is still there is not known
+    solid(page, is.corners, end, colour(arm.silent ? "--panel" : "--arm"));
   }
   const corners = [...told.corners.map(({ at }) => at), tool.t];
   corners.slice(1).forEach((at, before) => page.line(corners[before], at, ghost, 2, [7, 5]));
   axes(page, tool, ghost, [7, 5]);
-  page.word(tool.t, arm.joints_deg ? "told" : "told (not measured yet)", ghost, 10, 16);
-  if (goal) {
+  const since = arm.silent ? "told last: not heard now" : "told";
+  page.word(tool.t, arm.joints_deg ? since : `${since} (not measured yet)`, ghost, 10, 16);
+  // what a slave that is silent would be asked nobody knows
+  if (goal && !arm.silent) {
     const asked = { r: goal.rotation, t: times(goal.place_mm, 1e-3) };
     page.line(tool.t, asked.t, colour("--warn"), 1.5, [2, 4]);
     axes(page, asked, colour("--warn"), [2, 4]);
@@ -204,8 +218,8 @@ function drawArm(page, links, arm, goal) {
   }
 }
 
-function solid(page, corners, end) {
-  const [body, edge] = [colour("--arm"), colour("--text")];
+function solid(page, corners, end, body) {
+  const edge = colour("--text");
   // it gets thinner towards the wrist
   const all = [...corners, { at: end.t, joint: false }];
   all.slice(1).forEach(({ at, joint }, before) => {

@@ -20,6 +20,8 @@ export class SetUpView {
     this.cross = null;
     this.under = false;
     this.bitmap = null;
+    // the number of the still picture that is drawn, and the ball for which what is mistaken is marked in it
+    this.drawn = null;
     this.shown = "";
     this.mistaken = null;
     this.#build();
@@ -102,7 +104,8 @@ export class SetUpView {
   take(camera) {
     this.camera = camera;
     if (!camera) return;
-    write(this.note, `${camera.said}${camera.said && camera.in_use ? "; " : ""}${camera.in_use ? "in use" : camera.here ? `${camera.said ? "; " : ""}not in use yet` : ""}`);
+    const use = camera.in_use ? "in use" : camera.here ? "not in use yet" : "";
+    write(this.note, [camera.said, use].filter(Boolean).join("; "));
     this.list.hidden = !camera.here;
     this.files.hidden = !camera.here;
     write(this.where, camera.file ?? "no file keeps them");
@@ -123,16 +126,11 @@ export class SetUpView {
   // The still picture, or what would be mistaken in it, where it is not there yet.
   async refresh() {
     const still = this.#page.stands ? this.camera?.still : null;
-    this.figure.classList.toggle("stands", Boolean(still));
-    write(this.still, still ? (this.mistaken ? `mistaken for ${this.mistaken}` : "STILL") : "");
-    for (const [at, { show }] of this.rows.entries()) {
-      show.setAttribute("aria-pressed", String(Boolean(still) && this.mistaken === BALLS[at]));
-    }
     if (!still) {
       this.mistaken = null;
       this.shown = "";
-      this.bitmap = null;
-      this.#draw();
+      this.#drop();
+      this.#caption();
       return;
     }
     const what = this.mistaken ? `mistaken?camera=${this.at}&ball=${this.mistaken}` : `still?camera=${this.at}`;
@@ -140,15 +138,37 @@ export class SetUpView {
     const wanted = `${what} ${still.number} ${this.mistaken ? JSON.stringify(this.camera.balls) : ""}`;
     if (this.shown !== wanted) {
       this.shown = wanted;
-      const answer = await fetch(`/api/setup/${what}`).catch(() => null);
-      if (this.shown !== wanted) return;
-      if (answer?.ok) {
-        const bitmap = await createImageBitmap(await answer.blob());
+      const { mistaken } = this;
+      try {
+        const bitmap = await pictureOf(`/api/setup/${what}`);
         if (this.shown !== wanted) return;
         this.bitmap = bitmap;
-      } else {
+        this.drawn = { number: still.number, mistaken };
+      } catch (error) {
+        if (this.shown !== wanted) return;
+        // the next time it is asked for again; what is shown until then says what it is
         this.shown = "";
+        if (this.drawn?.number !== still.number) this.#drop();
+        this.mistaken = this.drawn?.mistaken ?? null;
+        this.#page.say(`${this.name}: the picture did not come: ${error.message}`, true);
       }
+    }
+    this.#caption();
+  }
+
+  #drop() {
+    this.bitmap = null;
+    this.drawn = null;
+  }
+
+  // Says what is shown: of a picture that has come, and of no other.
+  #caption() {
+    const { drawn } = this;
+    const words = drawn?.mistaken ? `mistaken for ${drawn.mistaken}` : "STILL";
+    this.figure.classList.toggle("stands", drawn !== null);
+    write(this.still, drawn ? words : "");
+    for (const [at, { show }] of this.rows.entries()) {
+      show.setAttribute("aria-pressed", String(drawn?.mistaken === BALLS[at]));
     }
     this.#draw();
   }
@@ -254,6 +274,14 @@ export class SetUpView {
       this.#page.choose(BALLS[(BALLS.indexOf(ball) + 1) % BALLS.length]);
     }
   }
+}
+
+// A picture of the console, or why there is none.
+async function pictureOf(address) {
+  const answer = await fetch(address).catch(() => null);
+  if (!answer) throw new Error("the console does not answer");
+  if (!answer.ok) throw new Error((await answer.json().catch(() => ({}))).why ?? `refused (${answer.status})`);
+  return createImageBitmap(await answer.blob());
 }
 
 // Black under white, so that it shows on any picture.

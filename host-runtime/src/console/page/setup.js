@@ -1,7 +1,7 @@
 // The set-up page: find the balls or point at them, see what was learnt, use it, keep it.
 
 import { Live } from "./live.js";
-import { find, isTyping, items, ms, watchLink, write } from "./page.js";
+import { find, isHeard, isTyping, items, ms, watchLink, write } from "./page.js";
 import { Scan } from "./scan.js";
 import { BALLS, SetUpView } from "./setup-view.js";
 import { stopWith } from "./stop.js";
@@ -31,12 +31,13 @@ live.addEventListener("hello", ({ detail }) => {
   refresh();
 });
 live.addEventListener("live", ({ detail: { snapshot } }) => {
+  pictures?.explain(snapshot.cameras);
   items(
     find("tracked"),
     snapshot.cameras.map((camera) => {
       const seen = camera.balls.filter((ball) => ball.state === "visible" || ball.state === "occluded");
       const missing = camera.balls.filter((ball) => !seen.includes(ball)).map((ball) => ball.name);
-      const mark = seen.length === 4 ? "\u2713" : "\u2717";
+      const mark = seen.length === 4 && isHeard(camera.age_us) ? "\u2713" : "\u2717";
       const rest = missing.length ? `, not ${missing.join(", ")}` : "";
       return `${mark} ${camera.name}: ${seen.length} of 4 balls${rest}; heard ${ms(camera.age_us)} ago`;
     }),

@@ -1,8 +1,8 @@
-// The slave's view: what the arm's two cameras see, for two eyes, with STOP and hold-to-run at hand.
+// The slave's view: what the arm's cameras see, for two eyes, with STOP and hold-to-run at hand.
 
 import { Controls } from "./controls.js";
 import { Live } from "./live.js";
-import { find, isTyping, watchLink, write } from "./page.js";
+import { find, isEngaged, isTyping, standingOf, viewsOf, watchLink, write } from "./page.js";
 import { ageWords, Pictures, worstOf } from "./pictures.js";
 import { MODES, size, Stereo } from "./stereo.js";
 import { stopWith } from "./stop.js";
@@ -15,34 +15,52 @@ watchLink(live, find("link"));
 const controls = new Controls(live);
 const canvas = find("stage");
 const stereo = new Stereo(canvas);
+let told = [];
+// the views of the arm's cameras, the left one first; null: not told yet
+let eyes = null;
 // when each eye's newest picture was taken, by the operator's clock
 let takenUs = [];
 let pictures = null;
 
 live.addEventListener("hello", ({ detail }) => {
-  const eyes = detail.views.flatMap(({ kind }, view) => (kind === "eye" ? [view] : []));
-  // a console that was started again has another clock, and the same eyes
+  told = detail.views;
+  // a console that was started again has another clock
+  takenUs = takenUs.map(() => null);
+});
+
+function look(snapshot) {
+  const now = viewsOf(told, snapshot).flatMap(({ kind, at }) => (kind === "eye" ? [at] : []));
+  if (eyes?.join() === now.join()) return;
+  eyes = now;
   takenUs = eyes.map(() => null);
-  pictures ??= new Pictures(eyes, (view, picture, header) => {
-    const eye = eyes.indexOf(view);
+  pictures?.close();
+  stereo.forget();
+  pictures = new Pictures(eyes, (view, picture, header) => {
+    const eye = now.indexOf(view);
     stereo.keep(eye, picture);
     takenUs[eye] = header.taken_us;
     if (!stereo.isAlternating) redraw();
   });
-});
+  redraw();
+}
 live.addEventListener("live", () => {
   const { control, snapshot } = live.newest;
   controls.show(control);
+  look(snapshot);
   const { arm } = snapshot;
-  document.body.classList.toggle("engaged", arm?.state === "engaged");
-  write(find("standing"), arm ? [arm.standing, ...arm.limits].join("; ") : "not heard yet");
+  document.body.classList.toggle("engaged", isEngaged(arm));
+  document.body.classList.toggle("unheard", Boolean(arm?.silent));
+  write(find("standing"), [standingOf(arm), ...(arm && !arm.silent ? arm.limits : [])].join("; "));
 });
 
-// What is shown is as old as the older eye's picture, and not known where one eye's is not.
+// What is shown is as old as the older eye's picture, and not known where one eye's is not. Readers of the screen are
+// told that it is old, and not how old it is ten times a second.
 setInterval(() => {
-  const { stale, text } = ageWords(worstOf(takenUs, live.clock), live.clock);
+  const none = eyes?.length === 0;
+  const { stale, text } = none ? { stale: true, text: "no camera at the arm" } : ageWords(worstOf(takenUs, live.clock), live.clock);
   document.body.classList.toggle("stale", stale);
   write(find("stamp"), text);
+  write(find("stamp-words"), none ? text : stale ? "The picture is old, or has not come." : "");
 }, 100);
 
 let due = false;

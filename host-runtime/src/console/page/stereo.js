@@ -39,6 +39,11 @@ export class Stereo {
     kept.getContext("2d").drawImage(picture, 0, 0);
   }
 
+  // Keeps none: there are other eyes now.
+  forget() {
+    this.#eyes = [null, null];
+  }
+
   // Draws what is kept; a slave with one camera shows both eyes the same.
   draw() {
     const [first, second] = this.swapped ? [1, 0] : [0, 1];

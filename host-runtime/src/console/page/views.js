@@ -6,8 +6,9 @@ import { write } from "./page.js";
 
 export class Views {
   #views = new Map();
-
   #live;
+  #pictures;
+  #timer;
 
   // `places`: view number -> figure with a canvas and a caption; `live` knows the operator's clock.
   constructor(places, live) {
@@ -15,9 +16,9 @@ export class Views {
     for (const [view, figure] of places) {
       const canvas = figure.querySelector("canvas");
       const stamp = figure.querySelector(".stamp");
-      this.#views.set(view, { figure, canvas, stamp, takenUs: null });
+      this.#views.set(view, { figure, canvas, stamp, takenUs: null, why: null });
     }
-    new Pictures([...this.#views.keys()], (number, picture, header) => {
+    this.#pictures = new Pictures([...this.#views.keys()], (number, picture, header) => {
       const view = this.#views.get(number);
       draw(view.canvas, picture, header.balls);
       view.takenUs = header.taken_us;
@@ -26,14 +27,28 @@ export class Views {
     live.addEventListener("hello", () => {
       for (const view of this.#views.values()) view.takenUs = null;
     });
-    setInterval(() => this.#stamp(), 100);
+    this.#timer = setInterval(() => this.#stamp(), 100);
+  }
+
+  // Why a camera sends no pictures, where that is known.
+  explain(cameras) {
+    cameras.forEach((camera, at) => {
+      const view = this.#views.get(camera.view ?? at);
+      if (view) view.why = camera.no_picture;
+    });
+  }
+
+  // There are other views now.
+  close() {
+    this.#pictures.close();
+    clearInterval(this.#timer);
   }
 
   #stamp() {
-    for (const { figure, stamp, takenUs } of this.#views.values()) {
+    for (const { figure, stamp, takenUs, why } of this.#views.values()) {
       const { stale, text } = ageWords(takenUs, this.#live.clock);
       figure.classList.toggle("stale", stale);
-      write(stamp, text);
+      write(stamp, takenUs === null && why ? why : text);
     }
   }
 }

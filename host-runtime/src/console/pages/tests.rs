@@ -22,7 +22,7 @@ fn contrast(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 
 /// What is written in which colour on which ground, and the least contrast: 4.5 for text, 3 for what is drawn
 /// (WCAG AA, 1.4.3 and 1.4.11).
-const PAIRS: [(&str, &str, f64); 26] = [
+const PAIRS: [(&str, &str, f64); 27] = [
     ("--text", "--back", 4.5),
     ("--text", "--panel", 4.5),
     ("--soft", "--back", 4.5),
@@ -45,6 +45,8 @@ const PAIRS: [(&str, &str, f64); 26] = [
     ("--warn", "--panel", 3.0),
     ("--text", "--panel", 3.0),
     ("--text", "--arm", 3.0),
+    // the box in which the tool may be, and the ticks of a bar
+    ("--edge", "--panel", 3.0),
     // curves of a scan
     ("--plot-red", "--panel", 3.0),
     ("--plot-green", "--panel", 3.0),

@@ -1,6 +1,7 @@
 //! What pages are told of a session.
 
 use crate::console::snapshot::BallView;
+use crate::session::schema::tetrad as msg;
 use crate::session::{CameraThen, Index, Moment, Topic, moments};
 use serde::Serialize;
 
@@ -115,7 +116,11 @@ struct ArmAt {
     age_us: u64,
     state: String,
     standing: String,
+    /// What kept it from following as it was asked, and what else there was to tell of it: whole lines, of which
+    /// those that are of a slowing say so themselves.
     slowed: Vec<String>,
+    /// Metres of the tool for one of the hand; `None` in sessions that do not say.
+    scale: Option<f32>,
     speed_share: f32,
     command_age_us: Option<u64>,
     joints_deg: Vec<f32>,
@@ -127,6 +132,10 @@ struct ButtonsAt {
     pressed: bool,
     stop: bool,
     resets: u32,
+    /// The press is for the way home.
+    home: bool,
+    /// Percent of the slave's scale by which the next press follows; `None` in sessions that do not say.
+    scale_percent: Option<u32>,
 }
 
 #[derive(Debug, Serialize)]
@@ -144,7 +153,6 @@ impl At {
         let steps = moments(index);
         let number = steps.partition_point(|spot| spot.time_us <= at_us);
         let step = |at: Option<usize>| at.and_then(|at| steps.get(at)).map(|spot| since(spot.time_us));
-        let degrees = |joints: &[f32]| joints.iter().map(|q| q.to_degrees()).collect();
         Self {
             t_us,
             number,
@@ -163,26 +171,36 @@ impl At {
                 residual_px: hand.residual_px,
                 refusal: hand.refusal.clone(),
             }),
-            arm: moment.arm.as_ref().map(|(time_us, arm)| ArmAt {
-                age_us: age(*time_us),
-                state: arm.state.clone(),
-                standing: arm.standing.clone(),
-                slowed: arm.slowed.clone(),
-                speed_share: arm.speed_share,
-                command_age_us: arm.command_age_us,
-                joints_deg: degrees(&arm.measured),
-                set_point_deg: degrees(&arm.set_point),
-            }),
+            arm: moment.arm.as_ref().map(|(time_us, arm)| ArmAt::of(arm, age(*time_us))),
             buttons: moment.buttons.as_ref().map(|buttons| ButtonsAt {
                 pressed: buttons.pressed,
                 stop: buttons.stop,
                 resets: buttons.resets,
+                home: buttons.home,
+                scale_percent: Some(buttons.scale_percent).filter(|percent| *percent > 0),
             }),
             lines: moment
                 .lines
                 .iter()
                 .map(|(time_us, text)| LineAt { t_us: since(*time_us), text: text.clone() })
                 .collect(),
+        }
+    }
+}
+
+impl ArmAt {
+    fn of(arm: &msg::Arm, age_us: u64) -> Self {
+        let degrees = |joints: &[f32]| joints.iter().map(|q| q.to_degrees()).collect();
+        Self {
+            age_us,
+            state: arm.state.clone(),
+            standing: arm.standing.clone(),
+            slowed: arm.slowed.clone(),
+            scale: Some(arm.scale).filter(|scale| *scale > 0.0),
+            speed_share: arm.speed_share,
+            command_age_us: arm.command_age_us,
+            joints_deg: degrees(&arm.measured),
+            set_point_deg: degrees(&arm.set_point),
         }
     }
 }

@@ -1,12 +1,13 @@
 //! The folder where sessions lie, and those of them that are open.
 
 use super::whole::Whole;
+use crate::locked::lock;
 use crate::session::{Lookup, SessionError};
 use serde::Serialize;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::UNIX_EPOCH;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
@@ -204,9 +205,4 @@ impl Session {
         let changed_s = changed.map_or(0, |at| at.as_secs());
         Some(Self { name: name.to_owned(), bytes: found.len(), changed_s })
     }
-}
-
-fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
-    // plain data: whoever panicked with the lock left it whole
-    of.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -106,9 +106,17 @@ async fn a_session_is_shown_moment_by_moment() {
         (&"red".into(), &"visible".into(), &12.0.into())
     );
     assert_eq!(at["hand"]["position_mm"], serde_json::json!([12.0, 0.0, 500.0]));
-    assert_eq!(at["arm"]["standing"], "engaged: it follows");
-    assert_eq!(at["arm"]["slowed"], serde_json::json!(["near the end of joint 4"]));
-    assert_eq!((&at["buttons"]["pressed"], &at["lines"][4]["text"]), (&true.into(), &"line 12".into()));
+    assert_eq!((&at["arm"]["standing"], &at["arm"]["scale"]), (&"engaged".into(), &0.25.into()));
+    let told =
+        ["the arm is home; let go", "slowed: wrist singularity (joints 4 and 6 in line); turn the tool away"];
+    assert_eq!(
+        at["arm"]["slowed"],
+        serde_json::json!(told),
+        "what slows it says so itself, and a note does not"
+    );
+    let buttons =
+        serde_json::json!({"pressed": true, "stop": false, "resets": 0, "home": true, "scale_percent": 25});
+    assert_eq!((&at["buttons"], &at["lines"][4]["text"]), (&buttons, &"line 12".into()));
     let picture = page.ask(Method::GET, &format!("/api/sessions/a.mcap/picture?camera=0&t_us={t_us}")).await;
     assert_eq!(picture.headers()[header::CONTENT_TYPE], "image/jpeg");
     let jpeg = bytes(picture).await;

@@ -22,13 +22,15 @@ mod teach;
 mod told;
 
 use super::desk::Desk;
+use super::snapshot::ArmView;
+use crate::locked::lock;
 use crate::station::camera::CameraHandle;
 use draft::Draft;
 use refused::Refused;
 pub(super) use routes::routes;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tetrad_core::hand::affine::Arms;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
@@ -182,9 +184,9 @@ impl SetUp {
     }
 }
 
-/// Whether this page may set up now: nobody else is in control, and the arm does not follow the hand.
+/// Whether this page may set up now: nobody else is in control, and the arm is not known to follow the hand.
 fn may_set_up(desk: &Desk, page: Option<u64>) -> Result<(), Refused> {
-    let engaged = desk.snapshot().arm.as_ref().is_some_and(|arm| arm.state == "engaged");
+    let engaged = desk.snapshot().arm.as_ref().is_some_and(ArmView::is_engaged);
     let control = desk.control().view(page.map(super::control::Tab), desk.now_us());
     match control.holder {
         Some(holder) if !control.yours => Err(Refused::AnotherDrives(holder)),
@@ -203,11 +205,6 @@ async fn aside<T: Send + 'static>(
     done.map_err(|_| {
         Refused::Failed("the work has ended without a result; see the console's messages".to_owned())
     })
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // plain data: whoever panicked with the lock left it whole
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::*;
 use crate::colours::Colours;
 use crate::console::access::MAX_BODY;
 use crate::console::control::Tab;
-use crate::console::snapshot::Snapshot;
+use crate::console::snapshot::{SILENT_US, Snapshot};
 use axum::http::{Method, StatusCode};
 use room::{Room, bytes, desk, room};
 use serde_json::{Value, json};
@@ -190,6 +190,16 @@ async fn nothing_is_set_up_while_the_arm_follows_the_hand() {
     assert!(room.desk.buttons().pressed && !room.desk.buttons().stop, "and it goes on");
     assert_eq!([room.taught(0), room.taught(1)], before);
     assert!(room.desk.take_arms().is_none());
+}
+
+#[tokio::test]
+async fn an_arm_that_nobody_hears_keeps_nobody_from_setting_up() {
+    let room = room();
+    room.engaged(SILENT_US);
+    assert!(room.get("/api/setup?page=1").await.1["not_now"].is_string());
+    room.engaged(SILENT_US + 1);
+    assert_eq!(room.get("/api/setup?page=1").await.1["not_now"], Value::Null);
+    room.done("/api/setup/find", json!({"page": 1})).await;
 }
 
 #[tokio::test]

@@ -42,7 +42,7 @@ fn every_moment_is_found_with_what_was_known_then() {
         assert_eq!((red(&left.seen), red(&afar.seen)), ((picture_us, at), (picture_us + 1, at)));
         let pose = moment.hand.unwrap().pose.unwrap();
         assert!((pose.translation.x - at as f32 * 1e-3).abs() < 1e-6);
-        assert_eq!(moment.arm.map(|(_, arm)| arm.slowed.len()), (at >= 2).then_some(1));
+        assert_eq!(moment.arm.map(|(_, arm)| arm.slowed.len()), (at >= 2).then_some(2));
         assert_eq!(moment.lines.last().unwrap().1, format!("line {at}"));
         assert!(moment.lines.len() <= 5);
     }

@@ -72,7 +72,7 @@ fn who_must_not_wait_never_does_and_what_is_left_out_is_counted_and_written() {
             taken += u32::from(feed.offer(Topic::Image(0), at, 0, |bytes| bytes.push(1)));
         }
     }
-    assert_eq!(taken, 0);
+    assert_eq!((taken, tape.left_out(), tape.has_failed()), (0, 3, false));
     // what the rest hangs on is taken all the same
     feed.insist(Topic::Taught(0), 8, 9, &Taught { frame: 9, ..Taught::default() });
     feed.lock().bytes = 0;
@@ -105,6 +105,7 @@ fn a_disk_that_is_full_ends_the_recording_and_is_told() {
     while tape.feed().put(Topic::Image(0), 0, 0, |bytes| bytes.resize(1 << 20, 0)) {
         assert!(began.elapsed() < Duration::from_secs(60), "writing to a full disk never failed");
     }
+    assert!(tape.has_failed());
     let error = tape.finish(BTreeMap::new()).unwrap_err();
     assert_eq!(error.to_string(), "cannot write /dev/full");
     assert!(std::error::Error::source(&error).unwrap().to_string().contains("No space left"), "{error:?}");

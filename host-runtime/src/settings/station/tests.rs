@@ -60,7 +60,7 @@ fn the_documented_files_are_taken() {
     let of_a_scene = text.replace("/dev/video0", "sim:demo").replace("colours = ", "# colours = ");
     let camera = load_in(dir.path(), &of_a_scene).unwrap().camera.unwrap();
     assert_eq!(camera.camera.start, CameraStart::OfScene);
-    assert_eq!((camera.camera.options.fps, camera.preview_fps), (Some(60.0), 2.0));
+    assert_eq!((camera.camera.options.fps, camera.preview_fps), (Some(60.0), 5.0));
 }
 
 #[test]

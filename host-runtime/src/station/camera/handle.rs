@@ -3,11 +3,12 @@
 //! The camera's thread looks at one flag a picture. Whoever asks is called back there, and never holds it
 //! up.
 
+use crate::locked::lock;
 use crate::pipeline::{CameraStart, tracker_of};
 use std::collections::VecDeque;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use tetrad_core::config::TrackerConfig;
 use tetrad_core::observation::BALLS;
 use tetrad_core::vision::appearance::LearntBall;
@@ -193,8 +194,7 @@ impl CameraHandle {
     }
 
     fn lock(&self) -> MutexGuard<'_, Asks> {
-        // plain data: whoever panicked with the lock left it whole
-        self.0.asks.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0.asks)
     }
 }
 

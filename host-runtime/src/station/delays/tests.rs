@@ -128,3 +128,36 @@ fn the_table_has_what_was_measured() {
         assert_eq!(stage as usize, at);
     }
 }
+
+#[test]
+fn what_is_slow_lately_is_seen_and_forgotten_again() {
+    const S: u64 = 1_000_000;
+    let mut delays = Delays::new(SESSION);
+    let send = |delays: &mut Delays, from_s: u64, to_s: u64, joined_after_us: u64| {
+        for sent_us in (from_s * S..to_s * S).step_by(10_000) {
+            let first_us = sent_us - joined_after_us;
+            delays.sent(&SentMotion {
+                first_us,
+                joined_us: sent_us,
+                posed_us: sent_us,
+                sent_us,
+                ..motion(1)
+            });
+        }
+    };
+    let p50 = |delays: &Delays, now_us: u64| delays.lately(Stage::Joined, now_us).map(|spread| spread.p50_us);
+    assert_eq!(p50(&delays, 100 * S), None);
+    send(&mut delays, 100, 3_700, 2_000);
+    send(&mut delays, 3_700, 3_712, 80_000);
+    // two digits; a hundredth of an hour moves neither figure of the whole
+    assert!(p50(&delays, 3_712 * S).unwrap() >= 79_000);
+    assert!(delays.of(Stage::Joined).unwrap().p99_us <= 2_100);
+    let lately = delays.lately(Stage::Joined, 3_712 * S).unwrap();
+    assert!((400..=1_000).contains(&lately.count), "of the last 5 to 10 s: {lately:?}");
+    send(&mut delays, 3_712, 3_724, 2_000);
+    assert!(p50(&delays, 3_724 * S).unwrap() <= 2_100);
+    assert_eq!(p50(&delays, 3_740 * S), None, "nothing came any more");
+    // and anew after the pause, without what was before it
+    send(&mut delays, 3_740, 3_741, 80_000);
+    assert_eq!(delays.lately(Stage::Joined, 3_741 * S).unwrap().count, 100);
+}

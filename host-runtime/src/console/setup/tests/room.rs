@@ -149,8 +149,13 @@ impl Room {
     }
 
     pub(super) fn engage(&self) {
+        self.engaged(0);
+    }
+
+    /// The arm follows, as far as was heard so long ago.
+    pub(super) fn engaged(&self, age_us: u64) {
         let packet = packets::arm_state(ArmState::Engaged, ArmReason::None);
-        let arm = Some(ArmView::of(&packet, 0, 0));
+        let arm = Some(ArmView::of(&packet, 0, true, age_us));
         self.desk.publish(Snapshot { arm, ..Snapshot::default() });
     }
 }
