@@ -46,6 +46,7 @@ pub mod link;
 mod locked;
 pub mod output;
 pub mod pipeline;
+mod precedence;
 mod regular_file;
 pub mod report;
 pub mod robot;

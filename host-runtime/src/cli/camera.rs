@@ -5,6 +5,7 @@ use super::memory::Memory;
 use super::{note, say, tell_aside};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Carrier as _, Link, Peer, Picture};
+use crate::precedence::{Duty, step_forward};
 use crate::robot::clock::Clock;
 use crate::settings::station::{NetworkSettings, StationSettings};
 use crate::station::camera::Step;
@@ -89,6 +90,7 @@ fn work(
     memory: &mut Memory,
     (longest, interrupt): (Option<Duration>, &Interrupt),
 ) -> Result<(), Failure> {
+    step_forward(Duty::Track);
     let began = Instant::now();
     while !interrupt.asked() {
         if longest.is_some_and(|longest| began.elapsed() >= longest) {

@@ -258,15 +258,12 @@ impl BallView {
 }
 
 impl DelayView {
-    /// Every stage that was measured.
+    /// A stage, if it was measured.
     #[must_use]
-    pub fn all(delays: &Delays, now_us: u64) -> Vec<Self> {
-        let of = |stage: Stage| {
-            let all = SpreadView::of(delays.of(stage)?);
-            let lately = delays.lately(stage, now_us).map(SpreadView::of);
-            Some(Self { stage: stage.name(), all, lately })
-        };
-        Stage::ALL.into_iter().filter_map(of).collect()
+    pub fn of(stage: Stage, delays: &Delays, now_us: u64) -> Option<Self> {
+        let all = SpreadView::of(delays.of(stage)?);
+        let lately = delays.lately(stage, now_us).map(SpreadView::of);
+        Some(Self { stage: stage.name(), all, lately })
     }
 }
 

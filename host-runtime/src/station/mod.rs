@@ -36,7 +36,6 @@ mod scene_camera;
 mod serve;
 mod settling;
 mod slave;
-mod step_back;
 mod trail;
 mod unattended;
 
@@ -57,6 +56,5 @@ pub use resetting::{Reset, Resetting};
 pub use scene_camera::{PictureLine, SceneCameras, SceneError};
 pub use serve::{Served, serve};
 pub use slave::{Cycle, EnableThenReset, SlaveStation};
-pub use step_back::step_back;
 pub use trail::Trail;
 pub use unattended::Unattended;

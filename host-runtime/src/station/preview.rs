@@ -5,15 +5,20 @@
 
 use super::camera::Windows;
 use super::jpeg::jpeg;
-use super::step_back::step_back;
 use crate::link::Picture;
 use crate::locked::lock;
 use crate::output::Canvas;
+use crate::precedence::step_back;
 use std::io;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
 use tetrad_core::wire::ObservationPacket;
+
+/// A picture waits for so long before it is drawn and encoded: two cameras that go together are still tracked when
+/// the first of them has handed its picture over, and processors that share a core or a cache slow each other down.
+const MOTION_FIRST: Duration = Duration::from_millis(4);
 
 /// Where the balls are marked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,11 +114,14 @@ impl Shared {
         lock(&self.desk)
     }
 
-    /// The next picture; `None` at the end.
+    /// The next picture, [`MOTION_FIRST`] after it came; `None` at the end.
     fn take(&self) -> Option<Job> {
         let idle = |desk: &mut Desk| desk.waiting.is_none() && !desk.over;
         let desk = self.changed.wait_while(self.lock(), idle);
-        let mut desk = desk.unwrap_or_else(PoisonError::into_inner);
+        if !desk.unwrap_or_else(PoisonError::into_inner).over {
+            std::thread::sleep(MOTION_FIRST);
+        }
+        let mut desk = self.lock();
         if desk.over { None } else { desk.waiting.take() }
     }
 
@@ -153,7 +161,6 @@ impl Job {
 mod tests {
     use super::*;
     use std::sync::mpsc;
-    use std::time::Duration;
     use tetrad_core::geometry::ImagePoint;
     use tetrad_core::observation::{BALLS, Observation, ObservationState};
     use zune_jpeg::JpegDecoder;

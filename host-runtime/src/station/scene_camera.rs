@@ -13,10 +13,10 @@
 use super::back_off::BackOff;
 use super::jpeg::encode_jpeg;
 use super::picture_rate::{LOOK_US, LineState, PictureRate};
-use super::step_back::step_back;
 use crate::link::local::LocalEnd;
 use crate::link::{Carrier as _, Peer, Picture};
 use crate::locked::lock;
+use crate::precedence::step_back;
 use crate::robot::clock::Clock;
 use crate::settings::station::{SceneCamera, SceneCameraSettings};
 use crate::source::simulated_arm::ArmDrawing;

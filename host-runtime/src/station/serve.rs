@@ -3,6 +3,7 @@
 use super::linked_slave::LinkedSlave;
 use super::slave::Cycle;
 use crate::link::Carrier;
+use crate::precedence::{Duty, step_forward};
 use crate::robot::clock::Clock;
 use crate::robot::lateness::Lateness;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -35,6 +36,7 @@ pub fn serve<C: Carrier>(
     end: &AtomicBool,
     mut each: impl FnMut(&mut LinkedSlave<C>, &Cycle),
 ) -> Served {
+    step_forward(Duty::Drive);
     let period = Duration::from_micros(u64::from(cycle_us));
     let mut served = Served::default();
     let mut due = Instant::now();

@@ -26,8 +26,9 @@ fn why_a_press_does_not_count_is_told_in_full_screen() {
     browser.tap("f");
     browser.until("document.body.classList.contains('full')");
     // nobody is in control: the space bar does nothing, and the page says why
-    browser.tap(SPACE);
     browser.until("document.getElementById('control').textContent.includes('Nobody is in control')");
+    browser.tap(SPACE);
+    browser.until("document.getElementById('control').textContent.includes('take control first')");
     for css in ["#control", "#standing", "#stop", "#hold"] {
         browser.until(&is_seen(css));
     }

@@ -9,6 +9,12 @@ use std::time::{Duration, Instant};
 /// The arm begins its stop so long after the button is not held any more, microseconds.
 pub(crate) const STOP_US: u64 = 100_000;
 
+/// And stands still so long after that, microseconds: it brakes within the accelerations of its joints.
+const BRAKE_US: u64 = 500_000;
+
+/// So many tries have to count.
+const LEAST_TRIES: usize = 2;
+
 /// How often something is looked at that is waited for.
 const POLL: Duration = Duration::from_millis(20);
 
@@ -162,14 +168,24 @@ fn console_in(said: &str) -> Option<SocketAddr> {
 }
 
 /// What the slave told of the arm, by its own clock, which is the operator's where both are one program.
-pub(crate) struct Record(Vec<(u64, bool)>);
+pub(crate) struct Record(Vec<Told>);
+
+/// One packet of it.
+struct Told {
+    slave_us: u64,
+    engaged: bool,
+    /// Where the joints were sent, radians.
+    set_point: [f64; 6],
+}
 
 impl Record {
     fn read(out: &Path) -> Self {
         let text = std::fs::read_to_string(out.join("arm_state.csv")).expect("arm_state.csv");
         let row = |line: &str| {
             let fields: Vec<&str> = line.split(',').collect();
-            ((fields[1].parse::<f64>().expect("seconds") * 1e6).round() as u64, fields[3] == "engaged")
+            let number = |at: usize| fields[at].parse::<f64>().expect("a number");
+            let set_point = std::array::from_fn(|joint| number(8 + joint));
+            Told { slave_us: (number(1) * 1e6).round() as u64, engaged: fields[3] == "engaged", set_point }
         };
         // the last line may still be written
         Self(text.split_inclusive('\n').filter(|line| line.ends_with('\n')).skip(1).map(row).collect())
@@ -177,34 +193,47 @@ impl Record {
 
     /// Whether the arm was moving at a time.
     pub(crate) fn was_moving(&self, at_us: u64) -> bool {
-        let before = self.0.get(..self.0.partition_point(|(slave_us, _)| *slave_us < at_us));
-        before.and_then(<[_]>::last).is_some_and(|(_, engaged)| *engaged)
+        let before = self.0.get(..self.0.partition_point(|told| told.slave_us < at_us));
+        before.and_then(<[_]>::last).is_some_and(|told| told.engaged)
     }
 
     /// How long after a time the arm began to stop, microseconds.
     fn stop_after(&self, at_us: u64) -> u64 {
-        let mut stood = self.0.iter().filter(|(slave_us, engaged)| *slave_us >= at_us && !engaged);
-        stood.next().expect("it stopped").0 - at_us
+        let mut stood = self.0.iter().filter(|told| told.slave_us >= at_us && !told.engaged);
+        stood.next().expect("it stopped").slave_us - at_us
+    }
+
+    /// How long after a time the arm stood still: the joints were sent nowhere else until the next press, microseconds.
+    fn rest_after(&self, at_us: u64) -> u64 {
+        let stopped_us = at_us + self.stop_after(at_us);
+        let stop = self.0.iter().skip_while(|told| told.slave_us < stopped_us);
+        let stop: Vec<&Told> = stop.take_while(|told| !told.engaged).collect();
+        let moves = |pair: &[&Told]| {
+            pair[0].set_point.iter().zip(pair[1].set_point).any(|(from, to)| (from - to).abs() > 1e-6)
+        };
+        let last =
+            stop.windows(2).filter(|pair| moves(pair)).last().map_or(stopped_us, |pair| pair[1].slave_us);
+        last - at_us
     }
 
     /// How long after a time the arm followed the hand for the last time before it stopped, microseconds.
     fn moved_until(&self, at_us: u64) -> u64 {
-        let since = self.0.iter().filter(|(slave_us, _)| *slave_us >= at_us);
-        since.take_while(|(_, engaged)| *engaged).last().map_or(0, |(slave_us, _)| slave_us - at_us)
+        let since = self.0.iter().filter(|told| told.slave_us >= at_us);
+        since.take_while(|told| told.engaged).last().map_or(0, |told| told.slave_us - at_us)
     }
 
     /// Whether the arm moved from one time to another without a break.
     pub(crate) fn moved_throughout(&self, from_us: u64, to_us: u64) -> bool {
-        let mut within =
-            self.0.iter().filter(|(slave_us, _)| (from_us..=to_us).contains(slave_us)).peekable();
-        within.peek().is_some() && within.all(|(_, engaged)| *engaged)
+        let mut within = self.0.iter().filter(|told| (from_us..=to_us).contains(&told.slave_us)).peekable();
+        within.peek().is_some() && within.all(|told| told.engaged)
     }
 
     /// The arm, which was moving, stopped in time, by the slave's own clock, in which the operator tells of the button
     /// too (they are one program):
     ///
     /// - each time, it did not follow the hand any more [`STOP_US`] after the last message that held the button came;
-    /// - as a rule (the median), it began its stop within [`STOP_US`] after what ended the press, as the browser saw it.
+    /// - as a rule (the median), it began its stop within [`STOP_US`] after what ended the press, as the browser saw it;
+    /// - each time, it stood still [`BRAKE_US`] after the stop began: what braking within the joints' limits takes.
     ///
     /// What a busy computer does to messages on their way from the browser is in the second alone: one that was held up
     /// there holds the button for that much longer.
@@ -215,12 +244,21 @@ impl Record {
         };
         let moved_us: Vec<u64> = tries.iter().map(|one| self.moved_until(one.held_us)).collect();
         let mut stops_us: Vec<u64> = tries.iter().map(|one| self.stop_after(one.at_us)).collect();
+        let rests_us: Vec<u64> = tries.iter().map(|one| self.rest_after(one.at_us)).collect();
         println!(
-            "measured: {what}: the arm began its stop {} ms later, and had moved for {} ms after the button was last told",
+            "measured: {what}: the arm began its stop {} ms later and stood still after {} ms; it had followed for {} ms \
+             after the button was last told",
             ms(&stops_us),
+            ms(&rests_us),
             ms(&moved_us)
         );
-        assert!(!tries.is_empty(), "{what}: the computer was too busy every time");
+        assert!(
+            tries.len() >= LEAST_TRIES,
+            "{what}: the computer was too busy all but {} times",
+            tries.len()
+        );
+        let brakes_us: Vec<u64> = rests_us.iter().zip(&stops_us).map(|(rest, stop)| rest - stop).collect();
+        assert!(brakes_us.iter().all(|us| *us <= BRAKE_US), "{what}: it braked for {brakes_us:?} us");
         assert!(moved_us.iter().all(|us| *us <= STOP_US), "{what}: it moved for {moved_us:?} us");
         stops_us.sort_unstable();
         assert!(stops_us[stops_us.len() / 2] <= STOP_US, "{what}: it stopped after {stops_us:?} us");

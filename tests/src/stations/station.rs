@@ -66,14 +66,23 @@ impl Station {
     #[must_use]
     pub fn taken_s(&self) -> BTreeMap<String, f64> {
         let mut taken = BTreeMap::new();
-        let Ok(threads) = fs::read_dir(format!("/proc/{}/task", self.child.id())) else { return taken };
-        for thread in threads.flatten() {
-            let stat = fs::read_to_string(thread.path().join("stat")).unwrap_or_default();
-            if let Some((name, seconds)) = taken_by(&stat) {
-                *taken.entry(name).or_default() += seconds;
-            }
+        for thread in self.threads() {
+            *taken.entry(thread.name).or_default() += thread.taken_s;
         }
         taken
+    }
+
+    /// Whether threads of this name have a real-time priority.
+    #[must_use]
+    pub fn goes_first(&self, name: &str) -> bool {
+        let mut theirs = self.threads().into_iter().filter(|thread| thread.name == name).peekable();
+        theirs.peek().is_some() && theirs.all(|thread| thread.priority > 0.0)
+    }
+
+    fn threads(&self) -> Vec<Thread> {
+        let Ok(threads) = fs::read_dir(format!("/proc/{}/task", self.child.id())) else { return Vec::new() };
+        let stats = threads.flatten().map(|thread| fs::read_to_string(thread.path().join("stat")));
+        stats.filter_map(|stat| Thread::read(&stat.ok()?)).collect()
     }
 
     /// Whether it is still at work.
@@ -156,14 +165,24 @@ impl Drop for Station {
     }
 }
 
-/// A thread's name and what it has taken, from its line in /proc (proc(5): fields 14 and 15).
-fn taken_by(stat: &str) -> Option<(String, f64)> {
-    // the name stands in brackets and may have any
-    let (before, after) = stat.rsplit_once(')')?;
-    let name = before.split_once('(')?.1.to_owned();
-    let ticks: Vec<f64> =
-        after.split_whitespace().skip(11).take(2).map_while(|field| field.parse().ok()).collect();
-    (ticks.len() == 2).then(|| (name, ticks.iter().sum::<f64>() * TICK_S))
+/// A thread, as its line in /proc has it (proc(5)).
+#[derive(Debug, PartialEq)]
+struct Thread {
+    name: String,
+    /// What it has taken of the processors, seconds (fields 14 and 15).
+    taken_s: f64,
+    /// Its real-time priority, 0 for none (field 40).
+    priority: f64,
+}
+
+impl Thread {
+    fn read(stat: &str) -> Option<Self> {
+        // the name stands in brackets and may have any
+        let (before, after) = stat.rsplit_once(')')?;
+        let name = before.split_once('(')?.1.to_owned();
+        let field = |number: usize| after.split_whitespace().nth(number - 3)?.parse::<f64>().ok();
+        Some(Self { name, taken_s: (field(14)? + field(15)?) * TICK_S, priority: field(40)? })
+    }
 }
 
 #[cfg(test)]
@@ -172,8 +191,10 @@ mod tests {
 
     #[test]
     fn a_threads_name_and_time_are_read() {
-        let stat = "71 (a (b) c) S 1 71 71 0 -1 4194304 100 0 0 0 150 25 0 0 20 0 3 0 900";
-        assert_eq!(taken_by(stat), Some(("a (b) c".to_owned(), 1.75)));
-        assert_eq!(taken_by("71 (x) S 1"), None);
+        let stat = "71 (a (b) c) S 1 71 71 0 -1 4194304 100 0 0 0 150 25 0 0 -4 0 3 0 900 0 0 184 0 0 0 0 0 0 0 0 0 0 0 0 \
+                    -1 1 3 1073741826 0 0 0";
+        let thread = Thread { name: "a (b) c".to_owned(), taken_s: 1.75, priority: 3.0 };
+        assert_eq!(Thread::read(stat), Some(thread));
+        assert_eq!(Thread::read("71 (x) S 1"), None);
     }
 }

@@ -10,15 +10,17 @@ use crate::console::snapshot::{
 };
 use crate::link::{Link, Peer, Received};
 use crate::session::StationTape;
+use crate::station::delays::Stage;
 use crate::station::operator::OperatorStep;
 use crate::station::{Asked, Operator, SlaveAnnouncement};
 use std::collections::VecDeque;
 use tetrad_core::wire::ArmStatePacket;
 
-/// From one snapshot to the next, microseconds.
-const EVERY_US: u64 = 33_000;
+/// From one snapshot to the next, microseconds: a little less than a thirtieth of a second, for they follow motions.
+const EVERY_US: u64 = 30_000;
 
-/// What takes longer to look up (percentiles, the link's counts) is looked up so often, microseconds.
+/// What takes longer to look up (the link's counts) is looked up so often, microseconds. Percentiles take longest; of
+/// them each snapshot has one stage looked up anew.
 const SLOW_US: u64 = 500_000;
 
 /// Lines that a page which is opened later still sees.
@@ -48,7 +50,9 @@ pub(super) struct Publisher {
     followed: Followed,
     slave: Option<SlaveView>,
     asked: Asked,
-    delays: Vec<DelayView>,
+    delays: [Option<DelayView>; Stage::ALL.len()],
+    /// The stage that is looked up next.
+    next_stage: usize,
     links: Vec<LinkView>,
     losses: Losses,
     recording: Option<RecordingView>,
@@ -92,7 +96,8 @@ impl Publisher {
             followed: Followed::default(),
             slave: None,
             asked: Asked::default(),
-            delays: Vec::new(),
+            delays: [None; Stage::ALL.len()],
+            next_stage: 0,
             links: Vec::new(),
             losses: Losses::default(),
             recording: None,
@@ -137,11 +142,16 @@ impl Publisher {
         self.told_us = Some(now_us);
         if due(self.slow_us, SLOW_US) {
             self.slow_us = Some(now_us);
-            self.delays = DelayView::all(scene.station.delays(), now_us);
             self.links = links(scene, self.arm.as_ref(), now_us);
             self.losses.look(&mut self.links, now_us);
             self.recording = scene.tape.map(recording);
         }
+        if let Some((stage, delay)) =
+            Stage::ALL.get(self.next_stage).zip(self.delays.get_mut(self.next_stage))
+        {
+            *delay = DelayView::of(*stage, scene.station.delays(), now_us);
+        }
+        self.next_stage = (self.next_stage + 1) % Stage::ALL.len();
         let connected = scene.slave.is_connected();
         let arm =
             self.arm.as_ref().map(|state| ArmView::of(&state.what, state.received_us, connected, now_us));
@@ -161,7 +171,7 @@ impl Publisher {
             slave: self.slave.clone(),
             goal: goal.as_ref().map(GoalView::of),
             links: self.links.clone(),
-            delays: self.delays.clone(),
+            delays: self.delays.iter().flatten().copied().collect(),
             pictures: scene.pictures.views(now_us),
             recording: self.recording.clone(),
             lines: self.lines.iter().cloned().collect(),

@@ -11,6 +11,7 @@ use crate::cli::keyboard::{Key, Keyboard, next_scale, scale_words, went_away};
 use crate::cli::note;
 use crate::exit::{Exit, Failure};
 use crate::output::ArmRecord;
+use crate::precedence::{Duty, step_forward};
 use crate::station::{Cycle, EnableThenReset, Reset, Resetting, SlaveStation};
 use std::time::{Duration, Instant};
 use tetrad_core::wire::ScaleShare;
@@ -108,6 +109,7 @@ impl Run {
 
     /// Every cycle until the end, at most for so long.
     pub(super) fn all(&mut self, longest: Option<Duration>, interrupt: &Interrupt) -> Result<(), Failure> {
+        step_forward(Duty::Drive);
         let end = longest.map(|longest| self.began + longest);
         let mut due = self.began;
         if self.keyboard.is_none() {

@@ -17,6 +17,7 @@
 use super::bus::{Bus, Receive, Transmit};
 use super::frame::Frame;
 use super::master::{Counters, Master};
+use crate::precedence::{Duty, step_forward};
 use crate::robot::lateness::Lateness;
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -171,6 +172,7 @@ struct Reader {
 
 impl Reader {
     fn run(mut self) {
+        step_forward(Duty::Drive);
         while self.wanted.load(Ordering::Relaxed) && !self.link.has_ended() {
             let received = self.receive.receive(READ_WITHIN);
             self.garbage.store(self.receive.garbage(), Ordering::Relaxed);
@@ -202,6 +204,7 @@ struct Cycle {
 
 impl Cycle {
     fn run(mut self, period: Duration) {
+        step_forward(Duty::Drive);
         let mut out = Vec::new();
         let mut deadline = Instant::now() + period;
         let mut left = LAST_CYCLES;

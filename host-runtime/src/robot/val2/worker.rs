@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::dialogue::Dialogue;
 use super::line::{Line, Log};
+use crate::precedence::{Duty, step_forward};
 
 /// How long a thread without a line sleeps before it looks again whether one is wanted.
 const IDLE: Duration = Duration::from_millis(5);
@@ -62,6 +63,7 @@ pub(super) struct Worker {
 
 impl Worker {
     pub(super) fn run(mut self) {
+        step_forward(Duty::Drive);
         let mut buffer = [0; 512];
         while !self.shared.quit.load(Ordering::Acquire) {
             if self.shared.wanted.swap(false, Ordering::AcqRel) {
