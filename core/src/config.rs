@@ -30,8 +30,9 @@ pub use teleop::{BelievedMotion, TeleopConfig, TeleopConfigError, TeleopMode, Tu
 
 use core::fmt;
 
-/// The most cameras that may look at one hand (DESIGN: one to eight).
-pub const MAX_VIEWS: usize = 8;
+/// The most cameras that may look at one hand: eight, or two where core is built without the feature
+/// `eight-views`. Most of the refined pose's state and stack grows with their number or its square.
+pub const MAX_VIEWS: usize = if cfg!(feature = "eight-views") { 8 } else { 2 };
 
 /// The largest ball that is measured, pixels. The paper goes to 65; close-ups in footage reach 116.
 pub const MAX_DIAMETER: f32 = 128.0;

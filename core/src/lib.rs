@@ -34,6 +34,12 @@
 //! top-left pixel. Transforms are `a_from_b`, points `x_in_a`, matrices act on column vectors.
 //! Balls are ordered red (origin), green (E1), blue (E2), yellow (E3).
 //!
+//! # Features
+//!
+//! - `eight-views`, on by default: up to eight cameras may look at a hand ([`config::MAX_VIEWS`]); without it two,
+//!   and a hand's tracker takes a sixth of the memory.
+//! - `defmt`: what a firmware may want to log can be formatted.
+//!
 //! # Panics
 //!
 //! None, once a checked constructor has succeeded; the firmware checks prove it at link time.

@@ -43,7 +43,7 @@ impl core::fmt::Display for AffineRefusal {
         f.write_str(match self {
             Self::BadArmLength => "an arm length is not between 0.005 and 2 metres",
             Self::TooFewViews => "a place needs at least two views",
-            Self::TooManyViews => "more than eight views",
+            Self::TooManyViews => "more views than there may be",
             Self::UnequalViews => "a point must be given in each of the reference views",
             Self::NotFinite => "a ball centre is not a finite number",
             Self::CoincidentBalls => "a ball and the red ball coincide in every view",

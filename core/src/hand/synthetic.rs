@@ -1,5 +1,6 @@
 //! Cameras and hands with known truth, for the tests of this layer.
 
+use crate::config::MAX_VIEWS;
 use crate::geometry::{ImagePoint, Pose};
 use crate::hand::affine::{Arms, Centres};
 use crate::observation::{ImageCovariance, Observation, ObservationState, Observations};
@@ -62,9 +63,9 @@ pub(crate) fn two_cameras() -> [Camera; 2] {
     [Camera::orthographic(-0.6, 0.3, 600.0), Camera::orthographic(0.6, 0.3, 550.0)]
 }
 
-/// Two to eight cameras, at least 25 degrees between neighbours.
+/// Two cameras to as many as there may be, at least 25 degrees between neighbours.
 pub(crate) fn cameras() -> impl Strategy<Value = Vec<Camera>> {
-    prop::collection::vec((0.0_f32..0.1, -0.5_f32..0.5, 300.0_f32..900.0), 2..=8).prop_map(|list| {
+    prop::collection::vec((0.0_f32..0.1, -0.5_f32..0.5, 300.0_f32..900.0), 2..=MAX_VIEWS).prop_map(|list| {
         list.into_iter()
             .enumerate()
             .map(|(i, (jitter, elevation, scale))| {

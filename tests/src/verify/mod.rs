@@ -79,6 +79,12 @@ pub const CHECKS: &[Check] = &[
         run: suite::arm_sequences,
     },
     Check {
+        name: "two-views",
+        protects: "core without `eight-views`, as a microcontroller links it, keeps the promises of the hand",
+        quick: false,
+        run: suite::two_views,
+    },
+    Check {
         name: "benchmarks",
         protects: "every benchmark still runs: each once, without figures",
         quick: false,

@@ -27,7 +27,9 @@ pub(super) fn fmt(context: &Context) -> Outcome {
 pub(super) fn clippy(context: &Context) -> Outcome {
     let every = ["--workspace", "--all-targets"].as_slice();
     let boards = ["--package", "tetrad-qemu", "--all-targets", "--features", "boards"].as_slice();
-    for targets in [every, &["--package", "tetrad", "--test", "console"], boards] {
+    // as a microcontroller links it
+    let few_views = ["--package", "tetrad-core", "--all-targets", "--no-default-features"].as_slice();
+    for targets in [every, &["--package", "tetrad", "--test", "console"], boards, few_views] {
         let mut cargo = context.cargo(["clippy", "--locked"]);
         let run = context.run(cargo.args(targets).args(["--", "--deny", "warnings"]), LIMIT);
         if !run.ok {

@@ -42,6 +42,17 @@ pub(super) fn arm_sequences(context: &Context) -> Outcome {
     outcome
 }
 
+/// Core as a microcontroller links it, for two cameras: what depends on their number.
+pub(super) fn two_views(context: &Context) -> Outcome {
+    let arguments =
+        ["test", "--locked", "--package", "tetrad-core", "--no-default-features", "--lib", "hand::"];
+    let outcome = cargo_test(context, &arguments);
+    if outcome.passed == 0 && outcome.failed == 0 {
+        return Outcome::fail("no test of the hand ran: core/src/hand is not where it was");
+    }
+    outcome
+}
+
 /// The console in a real browser, and what was measured there.
 pub(super) fn console(context: &Context) -> Outcome {
     if let Err(missing) = packages::debian(context, &["chromium", "chromium-driver"]) {

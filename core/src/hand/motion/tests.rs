@@ -177,6 +177,7 @@ fn an_occluded_ball_is_a_measurement() {
     assert_eq!(tracker.update(&views), Err(MotionRefusal::BallMissing { view: 0, ball: Ball::Green }));
 }
 
+#[cfg(feature = "eight-views")]
 #[test]
 fn a_third_camera_stands_in() {
     let cameras = [two_cameras()[0], two_cameras()[1], Camera::orthographic(1.6, -0.2, 500.0)];

@@ -8,7 +8,6 @@ use crate::hand::view::HandView;
 use crate::observation::Ball;
 use nalgebra::Vector3;
 use std::vec;
-use std::vec::Vec;
 
 #[test]
 fn cameras_thirty_to_a_hundred_and_twenty_degrees_apart() {
@@ -32,9 +31,10 @@ fn one_camera_alone_gives_the_whole_pose() {
     }
 }
 
+#[cfg(feature = "eight-views")]
 #[test]
 fn eight_cameras_are_better_than_two() {
-    let ring = |count: usize| -> Vec<Eye> {
+    let ring = |count: usize| -> std::vec::Vec<Eye> {
         (0..count).map(|i| Eye::looking(-60.0 + 17.0 * i as f64, 12.0 + 5.0 * (i % 3) as f64, 1.0)).collect()
     };
     let of = |count| {
