@@ -39,13 +39,12 @@ const CEILINGS: [(&str, u64); 10] = [
 ];
 
 /// Ceilings that are passed today: the snapshot holds these where they are.
-const MISSED: [&str; 6] = [
+const MISSED: [&str; 5] = [
     "camera-flash bytes",
     "pose-refined instructions",
     "puma-inverse instructions",
     "track-paper stack",
     "track-refined stack",
-    "pose-refined stack",
 ];
 
 type Figures = BTreeMap<String, u64>;

@@ -18,10 +18,11 @@
 
 use super::camera::{Camera, Sensitivity};
 use super::solve::{Cameras, Fit, Seen, compare_all};
-use super::square_root::{CAMERA, CameraUnknowns, POSE, Row, SquareRoot, UNKNOWNS};
+use super::square_root::{CAMERA, CameraUnknowns, POSE, Pair, Row, SquareRoot, UNKNOWNS};
 use crate::config::{MAX_VIEWS, PoseConfig};
 use crate::geometry::Pose;
 use crate::hand::affine::Arms;
+use crate::observation::BALLS;
 use nalgebra::{Matrix6, Vector3, Vector6};
 
 /// How often the cameras are fitted again after a key frame: the anchor's equations bend where a
@@ -32,7 +33,7 @@ const FITS: usize = 3;
 /// worth another fit.
 const SMALL_CHANGE: f32 = 1e-3;
 
-/// The cameras and how well they are known: about 33 KiB.
+/// The cameras and how well they are known: about 33 KiB for eight of them, 4 KiB for two.
 #[derive(Clone, Debug)]
 pub struct Calibration {
     cameras: Cameras,
@@ -58,12 +59,25 @@ impl Calibration {
             cameras: [None; MAX_VIEWS],
             views,
             nominal_px: [0.0; MAX_VIEWS],
-            anchor: [[None; 4]; MAX_VIEWS],
+            anchor: [[None; BALLS]; MAX_VIEWS],
             keys: SquareRoot::new(views),
             all: SquareRoot::new(views),
             key_pose: Pose::identity(),
             repeats: 0,
         }
+    }
+
+    /// No camera is known any more; none is to come yet.
+    pub fn clear(&mut self) {
+        let Self { cameras, views, nominal_px, anchor, keys, all, key_pose, repeats } = self;
+        *cameras = [None; MAX_VIEWS];
+        *views = 0;
+        *nominal_px = [0.0; MAX_VIEWS];
+        *anchor = [[None; BALLS]; MAX_VIEWS];
+        keys.clear(0);
+        all.clear(0);
+        *key_pose = Pose::identity();
+        *repeats = 0;
     }
 
     /// There are at least so many cameras.
@@ -110,7 +124,7 @@ impl Calibration {
         let focal_px = self.camera(view)?.focal_px();
         if let (Some(camera), Some(anchor)) = (self.cameras.get_mut(view), self.anchor.get_mut(view)) {
             *camera = None;
-            *anchor = [None; 4];
+            *anchor = [None; BALLS];
         }
         self.keys.forget_camera(view);
         Some(focal_px)
@@ -167,7 +181,7 @@ impl Calibration {
                 *column += row_1 * *a + row_2 * *b;
             }
         });
-        for column in &mut columns {
+        for column in columns.iter_mut().take(CAMERA * self.views) {
             if *column != Vector6::zeros() {
                 *column = fit.covariance * *column;
             }
@@ -189,10 +203,10 @@ impl Calibration {
     /// Adds a frame's equations to the key frames', its pose taken out.
     fn add_equations(&mut self, pose: &Pose, seen: &Seen, arms: Arms, noise: f32) {
         let keys = &mut self.keys;
+        let mut pair = EMPTY;
         compare_all(pose, &self.cameras, seen, arms, |view, _, camera, at| {
-            for mut row in equations(view, camera, at, true, noise) {
-                keys.insert(&mut row);
-            }
+            write_equations(&mut pair, view, camera, at, true, noise);
+            keys.insert_both(&mut pair);
         });
         keys.forget_pose();
     }
@@ -214,15 +228,15 @@ impl Calibration {
                 }
                 all.insert(&mut row);
             }
+            let mut pair = EMPTY;
             compare_all(&Pose::identity(), &self.cameras, &self.anchor, arms, |view, _, camera, at| {
-                for mut row in equations(view, camera, at, false, noise) {
-                    all.insert(&mut row);
-                }
+                write_equations(&mut pair, view, camera, at, false, noise);
+                all.insert_both(&mut pair);
             });
             let by = self.all.solve_cameras();
             if !self.step(&by) {
                 // nothing sensible: what the keys say is not believed, the anchor is
-                self.keys = SquareRoot::new(self.views);
+                self.keys.clear(self.views);
                 return;
             }
             if by.as_flattened().iter().all(|x| x.abs() < SMALL_CHANGE) {
@@ -246,25 +260,33 @@ impl Calibration {
     }
 }
 
-/// The two equations of one ball in one view, in units of their standard deviation.
-fn equations(view: usize, camera: &Camera, at: &Sensitivity, with_pose: bool, noise: f32) -> [Row; 2] {
+/// Room for the two equations of a ball.
+const EMPTY: Pair = [[0.0; 2]; UNKNOWNS + 1];
+
+/// Writes the two equations of one ball in one view, in units of their standard deviation, over what is
+/// left of others.
+fn write_equations(
+    pair: &mut Pair,
+    view: usize,
+    camera: &Camera,
+    at: &Sensitivity,
+    with_pose: bool,
+    noise: f32,
+) {
     let weight = 1.0 / noise;
-    let [first, second] = camera.sensitivity(at);
-    let [pose_1, pose_2] = at.pose;
-    let row = |residual: f32, pose: &[f32; POSE], camera: &[f32; CAMERA]| {
-        let mut row: Row = [0.0; UNKNOWNS + 1];
-        if let Some(right) = row.first_mut() {
-            *right = residual * weight;
+    let [pose_1, pose_2] = &at.pose;
+    let [camera_1, camera_2] = camera.sensitivity(at);
+    pair.fill([0.0; 2]);
+    if let Some(right) = pair.first_mut() {
+        *right = [at.residual.x * weight, at.residual.y * weight];
+    }
+    if with_pose {
+        for (to, (first, second)) in pair.iter_mut().skip(1).zip(pose_1.iter().zip(pose_2)) {
+            *to = [first * weight, second * weight];
         }
-        if with_pose {
-            for (to, factor) in row.iter_mut().skip(1).zip(pose) {
-                *to = factor * weight;
-            }
-        }
-        for (to, factor) in row.iter_mut().skip(1 + POSE + CAMERA * view).zip(camera) {
-            *to = factor * weight;
-        }
-        row
-    };
-    [row(at.residual.x, &pose_1, &first), row(at.residual.y, &pose_2, &second)]
+    }
+    let of_camera = pair.iter_mut().skip(1 + POSE + CAMERA * view);
+    for (to, (first, second)) in of_camera.zip(camera_1.iter().zip(&camera_2)) {
+        *to = [first * weight, second * weight];
+    }
 }

@@ -7,7 +7,7 @@ use super::solve::{self, Fit, Seen, solve};
 use crate::geometry::Pose;
 use crate::hand::perspective::posit::posit;
 use crate::observation::BALLS;
-use nalgebra::Cholesky;
+use nalgebra::{Cholesky, Matrix6};
 
 /// How many of the balls of a frame may be left out as wrong before a whole view is doubted.
 const MAX_WRONG: usize = 2;
@@ -28,11 +28,42 @@ pub(super) struct Solved {
     pub excluded: Option<usize>,
 }
 
+/// Where the hand is expected by the movement before.
+struct Expected {
+    pose: Pose,
+    covariance: Matrix6<f32>,
+    /// It has not been unseen for long.
+    recent: bool,
+}
+
+impl Expected {
+    /// How far a pose is from there, in variances of both.
+    fn surprise(&self, fit: &Fit) -> Option<f32> {
+        let leap = solve::difference(&fit.pose, &self.pose);
+        let factor = Cholesky::new(fit.covariance + self.covariance)?;
+        Some(leap.dot(&factor.solve(&leap))).filter(|square| square.is_finite())
+    }
+
+    /// Whether a pose may follow from the movement before it. After a while unseen any may, if there
+    /// are balls enough for a wrong one to show.
+    fn allows(&self, fit: &Fit, leap_sigmas: f32) -> bool {
+        if !self.recent {
+            return is_redundant(fit);
+        }
+        self.surprise(fit).is_some_and(|square| square < 6.0 * leap_sigmas * leap_sigmas)
+    }
+}
+
 impl PoseTracker {
     /// Solves a frame from the cameras as they are known; what does not fit is left out.
+    #[inline(never)]
     pub(super) fn measure(&self, seen: &Seen, t_us: u64) -> Option<Solved> {
-        let course = self.course.as_ref()?;
-        let expected = course.pose_at(t_us, self.pose_config());
+        let (course, config) = (self.course.as_ref()?, self.pose_config());
+        let expected = Expected {
+            pose: course.pose_at(t_us, config),
+            covariance: course.covariance_at(t_us, config),
+            recent: course.age_us(t_us) <= config.predict_us,
+        };
         let cameras = self.calibration.cameras();
         // cameras not latched yet, or not trusted, take no part
         let mut known = *seen;
@@ -41,16 +72,16 @@ impl PoseTracker {
                 *sightings = [None; BALLS];
             }
         }
-        let solved = self.consistent(&known, &expected, t_us).or_else(|| {
+        let solved = self.consistent(&known, &expected.pose, &expected).or_else(|| {
             // the hand is not where it was expected: from where each complete view sees it
             let mut starts = cameras.iter().zip(&known).filter_map(|(camera, sightings)| {
                 let camera = camera.as_ref()?;
                 let hand = posit(&complete(sightings)?, camera.focal_px(), self.arms)?;
                 Some(camera.places(&hand))
             });
-            starts.find_map(|start| self.consistent(&known, &start, t_us))
+            starts.find_map(|start| self.consistent(&known, &start, &expected))
         })?;
-        if self.is_likely(&solved.fit, t_us) {
+        if expected.allows(&solved.fit, config.leap_sigmas) {
             return Some(solved);
         }
         // a leap is believed where balls seen whole show it; those half hidden may have feigned it
@@ -63,34 +94,14 @@ impl PoseTracker {
             }
         }
         if clear != solved.seen {
-            return self.consistent(&clear, &expected, t_us);
+            return self.consistent(&clear, &expected.pose, &expected);
         }
         // and where views contradict each other, only if what is left agrees among itself
         (solved.seen == known || is_redundant(&solved.fit)).then_some(solved)
     }
 
-    /// Whether a pose may follow from the movement before it. After a while unseen any may, if there
-    /// are balls enough for a wrong one to show.
-    fn is_likely(&self, fit: &Fit, t_us: u64) -> bool {
-        let config = self.pose_config();
-        let Some(course) = &self.course else { return false };
-        if course.age_us(t_us) > config.predict_us {
-            return is_redundant(fit);
-        }
-        self.surprise(fit, t_us).is_some_and(|square| square < 6.0 * config.leap_sigmas * config.leap_sigmas)
-    }
-
-    /// How far a pose is from where it was expected, in variances of both.
-    fn surprise(&self, fit: &Fit, t_us: u64) -> Option<f32> {
-        let config = self.pose_config();
-        let course = self.course.as_ref()?;
-        let leap = solve::difference(&fit.pose, &course.pose_at(t_us, config));
-        let factor = Cholesky::new(fit.covariance + course.covariance_at(t_us, config))?;
-        Some(leap.dot(&factor.solve(&leap))).filter(|square| square.is_finite())
-    }
-
     /// The pose from a start, without the balls or the view that contradict the others.
-    fn consistent(&self, seen: &Seen, start: &Pose, t_us: u64) -> Option<Solved> {
+    fn consistent(&self, seen: &Seen, start: &Pose, expected: &Expected) -> Option<Solved> {
         let mut rest = *seen;
         let mut from = *start;
         for _ in 0..=MAX_WRONG {
@@ -105,8 +116,14 @@ impl PoseTracker {
             }
             from = fit.pose;
         }
-        // one camera contradicts the others: that without which they agree, or without which the hand
-        // is where it was expected; but none that has been trusted longer than all others
+        self.without_a_view(seen, start, expected)
+    }
+
+    /// One camera contradicts the others: that without which they agree, or without which the hand is
+    /// where it was expected; but none that has been trusted longer than all others.
+    #[cold]
+    #[inline(never)]
+    fn without_a_view(&self, seen: &Seen, start: &Pose, expected: &Expected) -> Option<Solved> {
         let mut best: Option<(f32, Solved)> = None;
         let mut second = f32::INFINITY;
         for (view, sightings) in seen.iter().enumerate() {
@@ -118,10 +135,10 @@ impl PoseTracker {
                 *sightings = [None; BALLS];
             }
             let Some(fit) = self.fit(start, &rest).filter(is_sound) else { continue };
-            if !is_redundant(&fit) && !self.is_likely(&fit, t_us) {
+            if !is_redundant(&fit) && !expected.allows(&fit, self.config.pose.leap_sigmas) {
                 continue;
             }
-            let Some(surprise) = self.surprise(&fit, t_us) else { continue };
+            let Some(surprise) = expected.surprise(&fit) else { continue };
             match &best {
                 Some((least, _)) if surprise >= *least => second = second.min(surprise),
                 _ => {

@@ -8,7 +8,6 @@ use super::course::Course;
 use super::noise::MAX_NOISE;
 use super::sightings::complete;
 use super::solve::{Cameras, Fit, Seen, solve};
-use super::trust::Trust;
 use crate::config::{MAX_VIEWS, PoseConfig};
 use crate::geometry::Pose;
 use crate::hand::perspective::Sightings;
@@ -18,6 +17,8 @@ use nalgebra::{Matrix6, Vector3};
 
 impl PoseTracker {
     /// The first frame: every camera that sees all four balls is latched where it sees the hand.
+    #[cold]
+    #[inline(never)]
     pub(super) fn latch_first(&mut self, seen: &Seen, t_us: u64) -> Option<Solved> {
         let listed = self.models.iter().flatten().count();
         let mut single = [None; MAX_VIEWS];
@@ -45,7 +46,9 @@ impl PoseTracker {
                 self.calibration.add_camera(view, camera_from_hand, &origin, nominal, nominal, self.arms);
             }
         }
-        self.trust = self.trust.map(Trust::begin_anew);
+        for trust in &mut self.trust {
+            *trust = trust.begin_anew();
+        }
         let noise = self.noise();
         self.calibration.latch(&Pose::identity(), &anchor, self.arms, noise, &self.config.pose);
         let mut fit = self.fit(&Pose::identity(), &anchor)?;
@@ -80,6 +83,7 @@ impl PoseTracker {
     }
 
     /// What a solved frame tells of the cameras.
+    #[inline(never)]
     pub(super) fn learn(&mut self, fit: &Fit, seen: &Seen, used: &Seen, excluded: Option<usize>) {
         self.trust_follows(fit, seen, used, excluded);
         let noise = self.noise();
@@ -120,31 +124,30 @@ impl PoseTracker {
 
     /// All cameras are latched anew, the pose going on from where it stands, when views that show the
     /// whole hand have contradicted each other for too long.
+    #[cold]
+    #[inline(never)]
     pub(super) fn doubt_everything(&mut self, seen: &Seen) {
         let shown = seen
             .iter()
             .enumerate()
             .any(|(view, sightings)| !self.is_stale(view) && sightings.iter().all(Option::is_some));
-        let Some(course) = self.course.as_ref().filter(|_| shown) else { return };
+        if self.course.is_none() || !shown {
+            return;
+        }
         self.unsolved = self.unsolved.saturating_add(1);
         if self.unsolved > self.config.pose.relatch_frames {
-            let doubted = Some(course.clone());
-            let fresh = Self::new(self.arms, self.config);
-            *self = Self {
-                doubted,
-                engage_from_world: self.engage_from_world,
-                engage_covariance: self.engage_covariance,
-                trust: self.trust.map(Trust::begin_anew),
-                engagements: self.engagements,
-                latch_at_next: self.latch_at_next,
-                refused: self.refused,
-                models: self.models,
-                ..fresh
-            };
+            let doubted = self.course.take();
+            self.forget_cameras();
+            self.doubted = doubted;
+            for trust in &mut self.trust {
+                *trust = trust.begin_anew();
+            }
         }
     }
 
     /// From here on the pose is told from `pose`, at which the balls were `seen`.
+    #[cold]
+    #[inline(never)]
     pub(super) fn latch(&mut self, pose: &Pose, seen: &Seen) {
         let noise = self.noise();
         self.calibration.latch(pose, seen, self.arms, noise, &self.config.pose);

@@ -31,6 +31,7 @@ mod latching;
 mod noise;
 mod report;
 mod sightings;
+mod symmetric;
 mod trust;
 
 use crate::config::{HandConfig, MAX_VIEWS, PoseConfig};
@@ -54,8 +55,8 @@ use trust::Trust;
 #[cfg(test)]
 mod tests;
 
-/// The hand's pose since engage, from all views. About 38 KiB, most of it for eight cameras' worth of
-/// what is known of them ([`square_root`]).
+/// The hand's pose since engage, from all views. About 36 KiB for eight cameras and 6 KiB for two, most of
+/// it what is known of them ([`square_root`]).
 #[derive(Clone, Debug)]
 pub struct PoseTracker {
     arms: Arms,
@@ -129,7 +130,42 @@ impl PoseTracker {
 
     /// Forgets the hand and the cameras; `engagements` counts on.
     pub fn restart(&mut self) {
-        *self = Self { engagements: self.engagements, ..Self::new(self.arms, self.config) };
+        self.forget_cameras();
+        self.models = [None; MAX_VIEWS];
+        self.engage_from_world = Pose::identity();
+        self.engage_covariance = Matrix6::zeros();
+        self.refused = 0;
+        self.latch_at_next = false;
+        self.trust = [Trust::default(); MAX_VIEWS];
+    }
+
+    /// Forgets where the cameras stand, and so the hand, but not whom to believe nor since when the pose is
+    /// told. In place: a second tracker beside this one would be too much for a microcontroller's stack.
+    fn forget_cameras(&mut self) {
+        let Self {
+            arms: _,
+            config: _,
+            models: _,
+            calibration,
+            course,
+            doubted,
+            engage_from_world: _,
+            engage_covariance: _,
+            hidden,
+            noise_square,
+            last,
+            refused: _,
+            engagements: _,
+            latch_at_next: _,
+            waited,
+            trust: _,
+            unsolved,
+        } = self;
+        calibration.clear();
+        (*course, *doubted, *last) = (None, None, None);
+        *hidden = [[false; BALLS]; MAX_VIEWS];
+        *noise_square = 1.0;
+        (*waited, *unsolved) = (0, 0);
     }
 
     /// How many times the hand was latched.
@@ -148,25 +184,33 @@ impl PoseTracker {
             None => self.latch_first(&seen, t_us),
             Some(_) => self.measure(&seen, t_us),
         };
-        let Some(Solved { fit, seen: used, excluded }) = solved else {
+        let Some(solved) = solved else {
             self.last = None;
             self.refused = self.refused.saturating_add(u32::from(self.course.is_some()));
             self.doubt_everything(&seen);
             return self.unmeasured(views, t_us);
         };
+        self.follow(&solved, &seen, before.as_ref(), t_us)
+    }
+
+    /// Goes on from a frame that was solved, the pose having been `before`.
+    // Of its own, as the parts of solving are: what one of them puts on the stack is gone before the next.
+    #[inline(never)]
+    fn follow(&mut self, solved: &Solved, seen: &Seen, before: Option<&Pose>, t_us: u64) -> HandReport {
+        let Solved { fit, seen: used, excluded } = solved;
         self.unsolved = 0;
-        let spread = self.calibration.spread(&fit, &used, self.arms, self.noise());
+        let spread = self.calibration.spread(fit, used, self.arms, self.noise());
         let covariance = fit.covariance + spread;
         let spans = if before.is_some() { self.refused.saturating_add(1) } else { 0 };
-        let increment = before.unwrap_or_else(Pose::identity).inverse().compose(&fit.pose);
-        let state = state_of(&fit);
+        let increment = before.copied().unwrap_or_else(Pose::identity).inverse().compose(&fit.pose);
+        let state = state_of(fit);
         if let Some(course) = &mut self.course {
             course.follow(&fit.pose, &covariance, &fit.covariance, t_us);
         }
         self.refused = 0;
-        self.last = Some(used);
-        self.noise_follows(&fit);
-        self.learn(&fit, &seen, &used, excluded);
+        self.last = Some(*used);
+        self.noise_follows(fit);
+        self.learn(fit, seen, used, *excluded);
 
         let (pose, covariance) = self.since_engage(&fit.pose, &covariance);
         let mut report = HandReport {
@@ -183,7 +227,7 @@ impl PoseTracker {
             state,
         };
         if self.latch_at_next {
-            self.latch(&fit.pose, &used);
+            self.latch(&fit.pose, used);
             report.pose = Some(Pose::identity());
             report.covariance = self.course.as_ref().map(|course| *course.covariance());
             if let Ok(motion) = &mut report.motion {

@@ -8,6 +8,7 @@
 //! was measured in where they were expected.
 
 use super::camera::{Camera, Sensitivity};
+use super::symmetric::add_lower;
 use crate::config::{MAX_VIEWS, PoseConfig};
 use crate::geometry::Pose;
 use crate::hand::affine::Arms;
@@ -151,7 +152,7 @@ pub fn solve(
             for (row, residual) in at.pose.iter().zip(&at.residual) {
                 let row = Vector6::from(*row);
                 gradient += row * (trust * residual);
-                information += (row * trust) * row.transpose();
+                add_lower(&mut information, &(row * trust), &row);
             }
             let square_px = at.residual_px.norm_squared();
             if distance > config.wrong_sigmas && square_px > config.wrong_px * config.wrong_px {

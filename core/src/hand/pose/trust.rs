@@ -152,7 +152,7 @@ impl PoseTracker {
     /// What a solved frame tells of the trust in the views.
     pub(super) fn trust_follows(&mut self, fit: &Fit, seen: &Seen, used: &Seen, excluded: Option<usize>) {
         for (view, sightings) in seen.iter().enumerate() {
-            let Some(mut trust) = self.trust.get(view).copied() else { continue };
+            let Some(trust) = self.trust.get_mut(view) else { continue };
             if fit.views.get(view).is_some_and(|fit| fit.balls > 0) {
                 trust.trusted = trust.trusted.saturating_add(1);
             }
@@ -160,23 +160,34 @@ impl PoseTracker {
                 trust.suspend();
             }
             let shown = sightings.iter().flatten().count() + 1 >= BALLS;
-            if let (true, true, Some(camera)) = (trust.suspended, shown, self.calibration.camera(view)) {
-                let focal_px = camera.focal_px();
-                let picture_at = |pose: &Pose| picture(&camera.sees(pose), focal_px, self.arms);
-                let stood_at = *trust.stood_at.get_or_insert(fit.pose);
-                // the hand moved, and its balls did not
-                trust.stale |= picture_at(&stood_at).iter().zip(&picture_at(&fit.pose)).any(|(then, now)| {
-                    matches!((then, now), (Some(then), Some(now)) if (now - then).norm() > 2.0 * MOVED_PX)
-                });
-                let mut with = *used;
-                if let Some(its) = with.get_mut(view) {
-                    *its = *sightings;
-                }
-                trust.prove(self.fit(&fit.pose, &with).is_some_and(|fit| is_sound(&fit)));
+            if trust.suspended && shown {
+                self.is_proving_itself(view, fit, sightings, used);
             }
-            if let Some(of_view) = self.trust.get_mut(view) {
-                *of_view = trust;
-            }
+        }
+    }
+
+    /// Whether a view that was left out would have agreed with the others.
+    #[cold]
+    #[inline(never)]
+    fn is_proving_itself(&mut self, view: usize, fit: &Fit, sightings: &Sightings, used: &Seen) {
+        let (Some(mut trust), Some(camera)) = (self.trust.get(view).copied(), self.calibration.camera(view))
+        else {
+            return;
+        };
+        let focal_px = camera.focal_px();
+        let picture_at = |pose: &Pose| picture(&camera.sees(pose), focal_px, self.arms);
+        let stood_at = *trust.stood_at.get_or_insert(fit.pose);
+        // the hand moved, and its balls did not
+        trust.stale |= picture_at(&stood_at).iter().zip(&picture_at(&fit.pose)).any(|(then, now)| {
+            matches!((then, now), (Some(then), Some(now)) if (now - then).norm() > 2.0 * MOVED_PX)
+        });
+        let mut with = *used;
+        if let Some(its) = with.get_mut(view) {
+            *its = *sightings;
+        }
+        trust.prove(self.fit(&fit.pose, &with).is_some_and(|fit| is_sound(&fit)));
+        if let Some(of_view) = self.trust.get_mut(view) {
+            *of_view = trust;
         }
     }
 

@@ -9,6 +9,7 @@ use crate::hand::pose::PoseTracker;
 use crate::hand::report::HandReport;
 use crate::hand::view::HandView;
 use crate::observation::Ball;
+use std::format;
 use std::vec::Vec;
 
 #[test]
@@ -82,4 +83,12 @@ fn a_latch_forgets_what_was_not_known_before_it() {
     let first = see(&mut fresh, &eyes, &demo(152.0 / 30.0), 0, &mut noise);
     assert!(sigma(&latched) < 1.2 * sigma(&first), "{} {}", sigma(&latched), sigma(&first));
     assert!(sigma(&latched) < sigma(&alone));
+}
+
+#[test]
+fn a_restarted_tracker_is_as_a_new_one() {
+    let (mut tracker, _) = after(&pair(30.0), demo, 100);
+    tracker.restart();
+    let new = PoseTracker::new(crate::hand::synthetic::arms(), HandConfig::default());
+    assert_eq!(format!("{tracker:?}"), format!("{new:?}"));
 }
