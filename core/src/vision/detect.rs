@@ -48,8 +48,17 @@ impl Default for Scratch {
 impl Scratch {
     /// Empty working memory.
     #[must_use]
-    pub const fn new() -> Self {
-        Self { edges: RowEdges::new(), explored: [0; CELLS as usize] }
+    pub fn new() -> Self {
+        let mut scratch = Self::ZERO;
+        scratch.clear();
+        scratch
+    }
+
+    /// What becomes empty working memory by [`Self::clear`], made where it is kept (as [`RowEdges::ZERO`]).
+    pub(super) const ZERO: Self = Self { edges: RowEdges::ZERO, explored: [0; CELLS as usize] };
+
+    pub(super) fn clear(&mut self) {
+        self.edges.clear();
     }
 
     /// The row edges of the blob that was collected last.
@@ -124,11 +133,13 @@ fn spiral_side(diameter: f32, diameters: f32) -> f32 {
 pub struct Candidate {
     /// What was measured.
     pub blob: Blob,
-    /// What it was matched with.
-    pub matcher: Matcher,
     /// 1 for the expected size and shape in the expected colour, 0 for none of it.
     pub score: f32,
 }
+
+/// The best candidates for a ball, each with the number of the threshold that it was matched with: the
+/// matcher itself would be a third of a candidate, and there are sixteen at a time.
+pub type Shortlist = heapless::Vec<(Candidate, u8), MAX_CANDIDATES>;
 
 /// What is common to the searches of one ball in one frame.
 #[derive(Clone, Debug)]
@@ -170,11 +181,13 @@ impl Search<'_> {
         (best, left)
     }
 
-    /// Adds the best finds in a region to `best`, best first: a global search takes none on trust.
+    /// Adds the best finds in a region to `best`, best first: a global search takes none on trust. Each has
+    /// the number of the `threshold` that gave it.
     pub fn candidates(
         &self,
         region: Region,
-        best: &mut heapless::Vec<Candidate, MAX_CANDIDATES>,
+        threshold: u8,
+        best: &mut Shortlist,
         scratch: &mut Scratch,
         tested: &mut u32,
     ) {
@@ -182,12 +195,19 @@ impl Search<'_> {
         let budget = tested.saturating_add((pixels * self.search.global_budget) as u32);
         self.each_blob(region, budget, scratch, tested, |found| {
             if found.score >= self.shape.global_score {
-                if best.is_full() && best.last().is_some_and(|worst| worst.score < found.score) {
+                if best.is_full() && best.last().is_some_and(|(worst, _)| worst.score < found.score) {
                     best.pop();
                 }
-                let at = best.iter().position(|b| b.score < found.score).unwrap_or(best.len());
-                // full of better ones: nothing to insert
-                let _ = best.insert(at, found);
+                // in before the first that is worse (`insert` has a panic path)
+                let (mut moving, mut shifts) = ((found, threshold), false);
+                for place in best.iter_mut() {
+                    shifts |= place.0.score < moving.0.score;
+                    if shifts {
+                        core::mem::swap(place, &mut moving);
+                    }
+                }
+                // full of better ones: there is no place for it
+                let _ = best.push(moving);
             }
             false
         });
@@ -203,6 +223,9 @@ impl Search<'_> {
         tested: &mut u32,
         mut judge: impl FnMut(Candidate) -> bool,
     ) -> bool {
+        // at hand for every pixel, wherever the caller keeps them
+        let (frame, matcher) = (*self.frame, *self.matcher);
+        let mut looked = *tested;
         let mut left = false;
         let mut spirals = 0;
         let cells = Cells::over(region);
@@ -210,31 +233,32 @@ impl Search<'_> {
         let limits =
             SpiralLimits { side: self.expected.spiral_side, min_match_256: self.search.min_match_256 };
         for (x, y) in UniformSearch::new(region, self.expected.least_diameter) {
-            if *tested >= budget || spirals >= self.search.max_spirals {
+            if looked >= budget || spirals >= self.search.max_spirals {
                 break;
             }
-            *tested += 1;
-            if !self.frame.pixel(x, y).is_some_and(|p| self.matcher.accepts(p)) {
+            looked += 1;
+            if !frame.pixel(x, y).is_some_and(|p| matcher.accepts(p)) {
                 continue;
             }
             if cells.marked(&scratch.explored, x, y) {
                 continue;
             }
             spirals += 1;
-            let outcome = scratch.edges.collect(self.frame, self.matcher, (x, y), limits, tested);
+            let outcome = scratch.edges.collect(&frame, &matcher, (x, y), limits, &mut looked);
             left = true;
             if outcome.is_ok()
-                && let Some(blob) = row_edge_centre(self.frame, &scratch.edges)
+                && let Some(blob) = row_edge_centre(&frame, &scratch.edges)
                 && blob.matched >= self.expected.min_matched
                 && self.no_larger_than_expected(&blob)
                 && !self.is_a_rival(blob.colour)
-                && judge(Candidate { blob, matcher: *self.matcher, score: self.score(&blob) })
+                && judge(Candidate { blob, score: self.score(&blob) })
             {
                 break;
             }
             cells.mark_rows(&mut scratch.explored, &scratch.edges);
             cells.mark(&mut scratch.explored, x, y);
         }
+        *tested = looked;
         left
     }
 

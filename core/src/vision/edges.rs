@@ -88,8 +88,25 @@ impl Default for RowEdges {
 impl RowEdges {
     /// An empty table.
     #[must_use]
-    pub const fn new() -> Self {
-        Self { rows: [RowExtent::EMPTY; MAX_ROWS], top: 0, seed_row: 0, reach: 0, matched: 0, sum: [0; 3] }
+    pub fn new() -> Self {
+        let mut edges = Self::ZERO;
+        edges.clear();
+        edges
+    }
+
+    /// What becomes an empty table by [`Self::clear`]. Zeros are written where they are kept; what is not
+    /// zero is made elsewhere and copied, which takes its size of stack once more.
+    pub(super) const ZERO: Self = Self {
+        rows: [RowExtent { first: 0, last: 0 }; MAX_ROWS],
+        top: 0,
+        seed_row: 0,
+        reach: 0,
+        matched: 0,
+        sum: [0; 3],
+    };
+
+    pub(super) fn clear(&mut self) {
+        self.rows.fill(RowExtent::EMPTY);
     }
 
     /// Runs a spiral from (`x`, `y`) and keeps the edges of the blob it starts in. Ends when a whole turn adds nothing. `tested` grows by the pixels read.

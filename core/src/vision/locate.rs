@@ -4,17 +4,17 @@
 //! like the ball, other thresholds are tried and the find that looks most like it is taken: the
 //! background may have changed, or something of nearly its colour may touch it.
 
-use super::appearance::background_around;
+use super::appearance::{Appearance, background_around};
 use super::centre::Blob;
 use super::colour::Matcher;
-use super::detect::{Candidate, Expectation, Scratch, Search};
+use super::detect::{Candidate, Expectation, Scratch, Search, Shortlist};
 use super::frame::{FrameView, Rgb};
 use super::occlusion::touch;
-use super::reacquire::{Places, choose, gate, suggested};
+use super::reacquire::{Places, choose, gate, picked, suggested};
 use super::rim::Rim;
 use super::search::Region;
 use super::track::{Attempt, BallTrack, Mode, Tracks};
-use crate::config::{MAX_CANDIDATES, TrackerConfig};
+use crate::config::{ColourConfig, TrackerConfig};
 use crate::geometry::{ImagePoint, round_to_i32};
 use crate::observation::BALLS;
 
@@ -37,8 +37,8 @@ pub(super) struct Find {
 }
 
 impl Find {
-    pub(super) fn new(candidate: Candidate, mode: Mode) -> Self {
-        let Candidate { blob, matcher, score } = candidate;
+    pub(super) fn new(candidate: &Candidate, matcher: Matcher, mode: Mode) -> Self {
+        let Candidate { blob, score } = *candidate;
         Self {
             blob,
             score,
@@ -56,8 +56,18 @@ impl Find {
 /// What is found of each ball.
 pub(super) type Finds = [Option<Find>; BALLS];
 
-/// Finds that look little like their balls, each with whether that has lasted.
-pub(super) type Doubtful = [Option<(Find, bool)>; BALLS];
+/// A find that looks little like its ball: others are sought, and count before it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Doubt {
+    /// Whether it may be the rest of a ball that stands where it is expected: then it is kept where
+    /// nothing better is found, and else dropped.
+    pub(super) near: bool,
+    /// Whether doubt has lasted.
+    pub(super) lasting: bool,
+}
+
+/// What is doubted of each ball's find.
+pub(super) type Doubts = [Option<Doubt>; BALLS];
 
 /// The places of what is found.
 pub(super) fn places(finds: &Finds) -> Places {
@@ -66,6 +76,19 @@ pub(super) fn places(finds: &Finds) -> Places {
         *place = find.as_ref().map(|f| f.centre);
     }
     places
+}
+
+const fn is_certain(find: &Option<Find>, doubt: &Option<Doubt>) -> bool {
+    find.is_some() && doubt.is_none()
+}
+
+/// The places of what is found and not in doubt.
+fn certain_places(finds: &Finds, doubts: &Doubts) -> Places {
+    let mut certain = places(finds);
+    for (place, doubt) in certain.iter_mut().zip(doubts) {
+        *place = place.filter(|_| doubt.is_none());
+    }
+    certain
 }
 
 /// How far from a ball's centre its spiral and its ring read: so many radii ...
@@ -80,12 +103,20 @@ const WHOLE_FRAMES: u32 = 2;
 /// ...and from then on a share of them each frame, in turn, beside eq. 1 as it was, which is tried in each:
 /// four balls out of sight for long shall not hold up the pictures in which they come back. At 640x480 with
 /// balls of 16 px all look at 5.1 million pixels a frame, in 20 ms, and a share at 1.1 million.
-const SHARES: usize = 5;
+const SHARES: u32 = 5;
 
 /// Whether a ball that was missed for so many frames is searched in the whole picture with the threshold
 /// of that number.
-const fn is_due(threshold: usize, missed: u32) -> bool {
-    missed < WHOLE_FRAMES || threshold == 0 || threshold % SHARES == missed as usize % SHARES
+const fn is_due(threshold: u8, missed: u32) -> bool {
+    missed < WHOLE_FRAMES || threshold == 0 || threshold as u32 % SHARES == missed % SHARES
+}
+
+/// Where a lost ball is searched.
+#[derive(Clone, Copy)]
+struct Scope {
+    region: Region,
+    /// Whether that is where the others say that it must be: then every threshold is tried.
+    confined: bool,
 }
 
 /// The searches of one frame.
@@ -101,8 +132,13 @@ pub(super) struct Locator<'a> {
 
 impl<'a> Locator<'a> {
     /// The window around each prediction.
-    pub(super) fn in_windows(&mut self, predicted: &Places, windows: &mut [Option<Region>; BALLS]) -> Finds {
-        let mut finds = [None; BALLS];
+    #[inline(never)]
+    pub(super) fn in_windows(
+        &mut self,
+        predicted: &Places,
+        finds: &mut Finds,
+        windows: &mut [Option<Region>; BALLS],
+    ) {
         let tracks = self.tracks;
         for (track, at) in tracks.iter().zip(predicted) {
             if let (Some(track), Some(at)) = (track, at) {
@@ -117,39 +153,82 @@ impl<'a> Locator<'a> {
                 *find = self.search_region(k, track, (*at, region), Mode::Tracking);
             }
         }
-        finds
     }
 
     /// The larger window, then the whole picture (or the part of it where the other balls say that a
-    /// lost one must be), for every ball that is not found yet.
-    pub(super) fn wider(&mut self, finds: &mut Finds, doubtful: &Doubtful) {
-        let (c, tracks) = (self.config, self.tracks);
-        let mut candidates: [heapless::Vec<Candidate, MAX_CANDIDATES>; BALLS] = Default::default();
-        for (k, (track, list)) in tracks.iter().zip(&mut candidates).enumerate() {
-            let now = places(finds);
-            let (Some(track), Some(slot @ None)) = (track, finds.get_mut(k)) else { continue };
+    /// lost one must be), for every ball that is not found yet. What is found is no longer in doubt.
+    pub(super) fn wider(&mut self, finds: &mut Finds, doubts: &mut Doubts) {
+        let all = self.tracks.iter().zip(finds.iter().zip(doubts.iter()));
+        if all.filter(|(track, _)| track.is_some()).any(|(_, (find, doubt))| !is_certain(find, doubt)) {
+            let scopes = self.widen(finds, doubts);
+            if scopes.iter().any(Option::is_some) {
+                self.search_everywhere(&scopes, finds, doubts);
+            }
+        }
+    }
+
+    /// The larger window; then says which balls are sought beyond it. Apart from what comes before and after
+    /// it: neither needs this one's stack, nor does a frame in which the windows held every ball.
+    #[inline(never)]
+    fn widen(&mut self, finds: &mut Finds, doubts: &mut Doubts) -> [Option<Scope>; BALLS] {
+        let c = self.config;
+        let mut scopes = [None; BALLS];
+        for (k, (track, scope)) in self.tracks.iter().zip(&mut scopes).enumerate() {
+            let now = certain_places(finds, doubts);
+            let (Some(track), Some(slot), Some(doubt)) = (track, finds.get_mut(k), doubts.get_mut(k)) else {
+                continue;
+            };
+            if is_certain(slot, doubt) {
+                continue;
+            }
             let suggestion = if c.rigid { suggested(track, &now).map(|(p, _)| p) } else { None };
             if let Some(at) = suggestion.or_else(|| track.predict(self.t_us)) {
                 if self.is_behind_another(k, track, at, &now) {
                     continue;
                 }
                 if let Some(region) = self.window(track, at, c.search.widened_diameters) {
-                    *slot = self
-                        .search_region(k, track, (at, region), Mode::Widened)
-                        .filter(|find| find.score >= c.shape.doubtful_score);
+                    let found = self.search_region(k, track, (at, region), Mode::Widened);
+                    if found.as_ref().is_some_and(|find| find.score >= c.shape.doubtful_score) {
+                        (*slot, *doubt) = (found, None);
+                        continue;
+                    }
                 }
             }
-            let kept_for_now = doubtful.get(k).is_some_and(|d| matches!(d, Some((_, false))));
-            if slot.is_none() && !kept_for_now {
-                self.search_globally(k, track, &now, list);
+            let kept_for_now = doubt.is_some_and(|doubt| doubt.near && !doubt.lasting);
+            *scope = (!kept_for_now).then(|| self.scope(track, &now));
+        }
+        scopes
+    }
+
+    /// The whole picture, or the part of it where the others say that a lost ball must be.
+    fn scope(&self, track: &BallTrack, now: &Places) -> Scope {
+        let (width, height) = (self.frame.width(), self.frame.height());
+        let absent_us = track.absent_us(self.t_us).unwrap_or(0);
+        let validation = &self.config.validation;
+        let gate =
+            if self.config.rigid { gate(track, now, absent_us, width, height, validation) } else { None };
+        Scope { region: gate.unwrap_or_else(|| Region::whole(width, height)), confined: gate.is_some() }
+    }
+
+    #[inline(never)]
+    fn search_everywhere(&mut self, scopes: &[Option<Scope>; BALLS], finds: &mut Finds, doubts: &mut Doubts) {
+        let (c, tracks) = (self.config, self.tracks);
+        let mut candidates: [Shortlist; BALLS] = Default::default();
+        for (k, ((track, scope), list)) in tracks.iter().zip(scopes).zip(&mut candidates).enumerate() {
+            if let (Some(track), Some(scope)) = (track, scope) {
+                self.search_globally(k, track, scope, list);
             }
         }
         if candidates.iter().all(|list| list.is_empty()) {
             return;
         }
-        let chosen = choose(tracks, &candidates, &places(finds), c.rigid);
-        for (find, chosen) in finds.iter_mut().zip(chosen) {
-            *find = find.or(chosen.map(|candidate| Find::new(candidate, Mode::Global)));
+        let picks = choose(tracks, &candidates, &certain_places(finds, doubts), c.rigid);
+        let slots = finds.iter_mut().zip(doubts).zip(tracks);
+        for (((find, doubt), track), (list, pick)) in slots.zip(candidates.iter().zip(picks)) {
+            let (Some(track), Some((chosen, threshold))) = (track, picked(list, pick)) else { continue };
+            if let Some(matcher) = global_matchers(&c.colour, &track.appearance).nth((*threshold).into()) {
+                (*find, *doubt) = (Some(Find::new(chosen, matcher, Mode::Global)), None);
+            }
         }
     }
 
@@ -185,7 +264,7 @@ impl<'a> Locator<'a> {
             if let Some(candidate) = found
                 && best.is_none_or(|b| candidate.score > b.score)
             {
-                best = Some(Find { attempt, ..Find::new(candidate, mode) });
+                best = Some(Find { attempt, ..Find::new(&candidate, matcher, mode) });
             }
             let good =
                 best.is_some_and(|b| b.score >= c.shape.good_score || track.is_as_good(b.attempt, b.score));
@@ -222,27 +301,19 @@ impl<'a> Locator<'a> {
         }
     }
 
-    fn search_globally(
-        &mut self,
-        k: usize,
-        track: &BallTrack,
-        now: &Places,
-        list: &mut heapless::Vec<Candidate, MAX_CANDIDATES>,
-    ) {
+    /// Apart from its caller, whose candidates stay while this works: what it needs itself is given back.
+    #[inline(never)]
+    fn search_globally(&mut self, k: usize, track: &BallTrack, scope: &Scope, list: &mut Shortlist) {
         let c = self.config;
-        let (width, height) = (self.frame.width(), self.frame.height());
-        let absent_us = track.absent_us(self.t_us).unwrap_or(0);
-        let confined = if c.rigid { gate(track, now, absent_us, width, height, &c.validation) } else { None };
-        let region = confined.unwrap_or_else(|| Region::whole(width, height));
         let aspect = track.appearance.learnt().aspect;
         let expected = Expectation::anywhere(&track.clean, aspect, &c.search, &c.shape);
         let missed = track.missed();
-        for (threshold, matcher) in self.global_matchers(track).enumerate() {
-            if confined.is_none() && !is_due(threshold, missed) {
+        for (threshold, matcher) in (0..).zip(global_matchers(&c.colour, &track.appearance)) {
+            if !scope.confined && !is_due(threshold, missed) {
                 continue;
             }
             let search = self.search(k, track, &matcher, expected);
-            search.candidates(region, list, self.scratch, self.tested);
+            search.candidates(scope.region, threshold, list, self.scratch, self.tested);
         }
     }
 
@@ -278,19 +349,6 @@ impl<'a> Locator<'a> {
         rivals
     }
 
-    /// Eq. 1 as it is now, then nearer and nearer to the typical pixel; the same with the colours that
-    /// were taught, since the light may have changed back.
-    fn global_matchers(&self, track: &BallTrack) -> impl Iterator<Item = Matcher> + use<> {
-        let c = self.config.colour;
-        let appearance = track.appearance;
-        let retries = c.retries.into_iter().chain(c.global_retries);
-        let now = core::iter::once(appearance.matcher(c.alpha_256))
-            .chain(retries.clone().map(move |retry| appearance.matcher_near(retry)));
-        let taught = core::iter::once(appearance.learnt_matcher(c.alpha_256))
-            .chain(retries.map(move |retry| appearance.learnt_matcher_near(retry)));
-        now.chain(taught)
-    }
-
     /// Whether a ball expected `at` would stand behind another one that is seen: then its absence is
     /// explained and nothing else of its colour is mistaken for it.
     fn is_behind_another(&self, k: usize, track: &BallTrack, at: ImagePoint, now: &Places) -> bool {
@@ -305,6 +363,20 @@ impl<'a> Locator<'a> {
     }
 }
 
+/// Eq. 1 as it is now, then nearer and nearer to the typical pixel; the same with the colours that were
+/// taught, since the light may have changed back.
+fn global_matchers<'a>(
+    c: &'a ColourConfig,
+    appearance: &'a Appearance,
+) -> impl Iterator<Item = Matcher> + 'a {
+    let retries = || c.retries.iter().chain(&c.global_retries);
+    let now = core::iter::once_with(|| appearance.matcher(c.alpha_256))
+        .chain(retries().map(|retry| appearance.matcher_near(*retry)));
+    let taught = core::iter::once_with(|| appearance.learnt_matcher(c.alpha_256))
+        .chain(retries().map(|retry| appearance.learnt_matcher_near(*retry)));
+    now.chain(taught)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -312,13 +384,16 @@ mod tests {
 
     #[test]
     fn every_threshold_has_its_turn() {
-        let thresholds = 2 * (1 + RETRIES + GLOBAL_RETRIES);
+        let thresholds = 2 * (1 + RETRIES + GLOBAL_RETRIES) as u8;
         assert!((0..WHOLE_FRAMES).all(|missed| (0..thresholds).all(|number| is_due(number, missed))));
         for began in WHOLE_FRAMES..40 {
-            let turns = began..began + SHARES as u32;
+            let turns = began..began + SHARES;
             assert!((0..thresholds).all(|number| turns.clone().any(|missed| is_due(number, missed))));
             let due = (0..thresholds).filter(|number| is_due(*number, began)).count();
-            assert!(is_due(0, began) && due <= 1 + thresholds.div_ceil(SHARES), "{due}");
+            assert!(
+                is_due(0, began) && due <= 1 + usize::from(thresholds).div_ceil(SHARES as usize),
+                "{due}"
+            );
         }
     }
 }

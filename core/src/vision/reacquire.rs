@@ -4,10 +4,10 @@
 //! carried it, and a thing of its colour elsewhere in the picture is not it (section 3.5's
 //! geometric matching, used before a find is believed).
 
-use super::detect::Candidate;
+use super::detect::{Candidate, Shortlist};
 use super::search::Region;
 use super::track::{BallTrack, Tracks};
-use crate::config::{MAX_CANDIDATES, ValidationConfig};
+use crate::config::ValidationConfig;
 use crate::geometry::ImagePoint;
 use crate::observation::BALLS;
 
@@ -102,28 +102,30 @@ pub(super) fn stray(places: &Places, diameters: &[f32; BALLS]) -> Option<usize> 
     farthest.map(|(k, _)| k)
 }
 
+/// One of a ball's candidates, and its threshold; 0 is none of them.
+pub(super) fn picked(list: &Shortlist, pick: usize) -> Option<&(Candidate, u8)> {
+    pick.checked_sub(1).and_then(|i| list.get(i))
+}
+
 /// Picks at most one candidate of each ball so that together they score best: each by its own score,
 /// each pair by how well its distance agrees with the last known one (or, where none is known, by
-/// not being far apart). 5^4 combinations at the most.
+/// not being far apart). 5^4 combinations at the most. [`picked`] says which are meant.
 pub(super) fn choose(
     tracks: &Tracks,
-    candidates: &[heapless::Vec<Candidate, MAX_CANDIDATES>; BALLS],
+    candidates: &[Shortlist; BALLS],
     found: &Places,
     rigid: bool,
-) -> [Option<Candidate>; BALLS] {
-    let mut best = [None; BALLS];
+) -> [usize; BALLS] {
+    let mut best = [0usize; BALLS];
     let mut least = f32::INFINITY;
     let mut picks = [0usize; BALLS];
     loop {
-        let mut chosen = [None; BALLS];
         let mut places = *found;
         let mut cost = 0.0f32;
-        for (((slot, place), list), pick) in chosen.iter_mut().zip(&mut places).zip(candidates).zip(picks) {
-            // pick 0 is "none of them"
-            match pick.checked_sub(1).and_then(|i| list.get(i)) {
-                Some(c) => {
+        for ((place, list), pick) in places.iter_mut().zip(candidates).zip(picks) {
+            match picked(list, pick) {
+                Some((c, _)) => {
                     cost += 1.0 - c.score;
-                    *slot = Some(*c);
                     *place = Some(c.blob.centre);
                 }
                 None if !list.is_empty() => cost += COST_OF_NONE,
@@ -135,7 +137,7 @@ pub(super) fn choose(
         }
         if cost < least {
             least = cost;
-            best = chosen;
+            best = picks;
         }
         // the next combination, as an odometer counts
         let mut carried = true;

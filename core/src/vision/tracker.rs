@@ -129,16 +129,9 @@ impl CameraTracker {
     /// One frame, captured at `t_us` microseconds of any clock that goes forward.
     pub fn step(&mut self, frame: &FrameView<'_>, t_us: u64, prediction: &Prediction) -> StepReport {
         let mut report = StepReport::default();
-        let mut scratch = Scratch::new();
         let predicted = self.predict(t_us, prediction);
-        let mut finds = self
-            .locator(frame, t_us, &mut scratch, &mut report.tested)
-            .in_windows(&predicted, &mut report.windows);
-        let doubtful = self.set_doubtful_aside(t_us, &predicted, &mut finds);
-        self.locator(frame, t_us, &mut scratch, &mut report.tested).wider(&mut finds, &doubtful);
-        for (find, doubtful) in finds.iter_mut().zip(doubtful) {
-            *find = find.or(doubtful.map(|(find, _)| find));
-        }
+        let mut finds = [None; BALLS];
+        self.find(frame, t_us, &predicted, &mut finds, &mut report);
         self.drop_stray(&mut finds);
         self.judge_whole(&mut finds);
         self.drop_lone_part(&mut finds);
@@ -149,6 +142,33 @@ impl CameraTracker {
         self.follow_colours(frame, &finds, &mut report);
         self.remember(t_us, &finds, &predicted, &mut report);
         report
+    }
+
+    /// The searches. Never a part of its caller: what they work in is given back before rims are sought,
+    /// which take as much stack.
+    #[inline(never)]
+    fn find(
+        &mut self,
+        frame: &FrameView<'_>,
+        t_us: u64,
+        predicted: &Places,
+        finds: &mut Finds,
+        report: &mut StepReport,
+    ) {
+        let mut scratch = Scratch::ZERO;
+        scratch.clear();
+        self.locator(frame, t_us, &mut scratch, &mut report.tested).in_windows(
+            predicted,
+            finds,
+            &mut report.windows,
+        );
+        let mut doubts = self.doubts(t_us, predicted, finds);
+        self.locator(frame, t_us, &mut scratch, &mut report.tested).wider(finds, &mut doubts);
+        for (find, doubt) in finds.iter_mut().zip(doubts) {
+            if doubt.is_some_and(|doubt| !doubt.near) {
+                *find = None;
+            }
+        }
     }
 
     fn locator<'a>(
@@ -169,6 +189,7 @@ impl CameraTracker {
         predicted
     }
 
+    #[inline(never)]
     fn follow_colours(&mut self, frame: &FrameView<'_>, finds: &Finds, report: &mut StepReport) {
         let c = &self.config;
         for (find, track) in finds.iter().zip(&mut self.tracks) {

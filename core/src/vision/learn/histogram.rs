@@ -9,6 +9,7 @@ use super::disc::Disc;
 use super::probe::Probe;
 use crate::vision::colour::{FULL_SCALE, Primary, Reference, distance_squared, matching};
 use crate::vision::frame::Rgb;
+use core::num::NonZeroU32;
 
 /// Cells along one component; 8^3 counts of 16 bits are one kibibyte, small enough for the stack of a
 /// microcontroller and coarse enough that a ball of 20 pixels fills its cells.
@@ -112,10 +113,8 @@ pub(super) fn reference(probe: &mut Probe<'_, '_>, disc: Disc) -> Option<Rgb> {
             members += 1;
         }
     });
-    if members == 0 {
-        return None;
-    }
-    let [r, g, b] = sum.map(|s| ((s + members / 2) / members).min(255) as u8);
+    let all = NonZeroU32::new(members)?;
+    let [r, g, b] = sum.map(|s| ((s + members / 2) / all).min(255) as u8);
     Some(Rgb::new(r, g, b))
 }
 

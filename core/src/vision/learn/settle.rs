@@ -65,14 +65,17 @@ impl Settled {
     }
 }
 
-/// The rows the tracker would find, started on a pixel of the ball.
+/// The rows the tracker would find, started on a pixel of the ball. Never a part of its caller: the table
+/// is given back before anything else is counted.
+#[inline(never)]
 fn blob(
     probe: &mut Probe<'_, '_>,
     matcher: &Matcher,
     disc: Disc,
     from: (i32, i32),
 ) -> Result<Blob, Abandoned> {
-    let mut edges = RowEdges::new();
+    let mut edges = RowEdges::ZERO;
+    edges.clear();
     let side = (SPIRAL_RADII * disc.radius).max(LEAST_SIDE);
     let limits = SpiralLimits { side, min_match_256: LEAST_MATCH_256 };
     let mut tested = 0;

@@ -74,6 +74,8 @@ type Normal = SMatrix<f32, UNKNOWNS, UNKNOWNS>;
 type Unknowns = SVector<f32, UNKNOWNS>;
 
 /// Fits a curve to edges given from the centre of `start`. `None` where they do not determine one.
+/// Never a part of its caller, whose scans are done when this one's equations need stack.
+#[inline(never)]
 pub(super) fn fit(start: &Curve, edges: &Edges, aspect: f32, prior: &Prior, is_near: bool) -> Option<Fit> {
     let scales: &[f32] = if is_near { &NEAR_SCALES } else { &SCALES };
     let last_scale = scales.last().copied().unwrap_or_default();

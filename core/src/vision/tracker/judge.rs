@@ -3,37 +3,31 @@
 use super::CameraTracker;
 use crate::observation::BALLS;
 use crate::vision::frame::FrameView;
-use crate::vision::locate::{Doubtful, Find, Finds, places};
+use crate::vision::locate::{Doubt, Doubts, Finds, places};
 use crate::vision::occlusion::{Seen, centre_behind, centre_beyond_the_edge, is_hidden_by, touch};
 use crate::vision::reacquire::{Places, stray};
-use crate::vision::track::{BallTrack, Mode};
+use crate::vision::track::Mode;
 use crate::vision::tracker::StepReport;
 use crate::vision::validation::{geometric_mismatch, is_whole, shape_holds};
 
 impl CameraTracker {
-    /// Finds that look little like their balls: the larger window is searched for better ones, and
-    /// the whole picture too when that has lasted (the flag); where there is none they are kept if
-    /// they may be the rest of a ball that stands where it is expected, and else dropped.
-    pub(super) fn set_doubtful_aside(
-        &mut self,
-        t_us: u64,
-        predicted: &Places,
-        finds: &mut Finds,
-    ) -> Doubtful {
+    /// Which finds look little like their balls: the larger window is searched for better ones, and the
+    /// whole picture too when that has lasted.
+    pub(super) fn doubts(&mut self, t_us: u64, predicted: &Places, finds: &Finds) -> Doubts {
         let shape = &self.config.shape;
-        let mut aside = [None; BALLS];
-        let slots = finds.iter_mut().zip(&mut aside).zip(&mut self.tracks).zip(predicted);
-        for (((find, aside), track), expected) in slots {
-            let (Some(found), Some(track)) = (&find, track) else { continue };
+        let mut doubts = [None; BALLS];
+        let slots = finds.iter().zip(&mut doubts).zip(&mut self.tracks).zip(predicted);
+        for (((find, doubt), track), expected) in slots {
+            let (Some(found), Some(track)) = (find, track) else { continue };
             let doubtful = found.score < shape.doubtful_score && !found.blob.cut;
             let lasting = track.doubt(doubtful, t_us, shape.doubt_us);
             if doubtful {
                 let reach = shape.doubtful_reach * track.clean.diameter.max(track.clean.height);
                 let near = expected.is_some_and(|expected| found.centre.distance(expected) <= reach);
-                *aside = find.take().filter(|_| near).map(|find| (find, lasting));
+                *doubt = Some(Doubt { near, lasting });
             }
         }
-        aside
+        doubts
     }
 
     /// While nothing else of a rigid frame is seen, a thing that is not a whole ball is no ball.
@@ -67,8 +61,8 @@ impl CameraTracker {
     }
 
     pub(super) fn judge_whole(&mut self, finds: &mut Finds) {
-        let c = self.config;
-        for (find, track) in finds.iter_mut().zip(&mut self.tracks) {
+        let Self { config: c, tracks } = self;
+        for (find, track) in finds.iter_mut().zip(tracks) {
             if let (Some(find), Some(track)) = (find, track) {
                 let aspect = track.appearance.learnt().aspect;
                 find.whole = is_whole(&find.blob, &track.clean, aspect, &c.shape, &c.occlusion);
@@ -83,25 +77,24 @@ impl CameraTracker {
     /// Section 3.4: of two balls that touch, the one that lost more of its area is behind the other.
     pub(super) fn place_hidden(&self, frame: &FrameView<'_>, finds: &mut Finds, tested: &mut u32) {
         let c = &self.config.occlusion;
-        let before = *finds;
-        let seen = |find: &Option<Find>, track: &Option<BallTrack>| {
-            find.as_ref().zip(track.as_ref()).map(|(f, t)| Seen {
+        let mut seen = [None; BALLS];
+        for ((seen, find), track) in seen.iter_mut().zip(finds.iter()).zip(&self.tracks) {
+            *seen = find.as_ref().zip(track.as_ref()).map(|(f, t)| Seen {
                 centre: f.blob.centre,
                 area_share: f.blob.area / t.clean.area.max(1.0),
                 clean: t.clean,
-            })
-        };
-        for (k, (find, track)) in finds.iter_mut().zip(&self.tracks).enumerate() {
-            let Some(x) = seen(find, track) else { continue };
-            let Some(find) = find else { continue };
+            });
+        }
+        for (k, (find, x)) in finds.iter_mut().zip(&seen).enumerate() {
+            let (Some(find), Some(x)) = (find, x) else { continue };
             let mut front: Option<Seen> = None;
-            for (l, (other, other_track)) in before.iter().zip(&self.tracks).enumerate() {
-                let Some(y) = seen(other, other_track) else { continue };
+            for (l, y) in seen.iter().enumerate() {
+                let Some(y) = *y else { continue };
                 if l == k || !touch(x.centre, &x.clean, y.centre, &y.clean, c) {
                     continue;
                 }
                 find.touching = true;
-                if is_hidden_by(&x, &y, c)
+                if is_hidden_by(x, &y, c)
                     && front.is_none_or(|f| x.centre.distance(y.centre) < x.centre.distance(f.centre))
                 {
                     front = Some(y);

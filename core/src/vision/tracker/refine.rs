@@ -50,27 +50,29 @@ struct Expected {
 }
 
 impl CameraTracker {
-    /// Where a ball's rim is found, its centre takes the place of the row edges' (and of eq. 3).
+    /// Where a ball's rim is found, its centre takes the place of the row edges' (and of eq. 3). Never a part
+    /// of its caller, which has searched before with all the stack that is left.
+    #[inline(never)]
     pub(super) fn refine(&mut self, frame: &FrameView<'_>, t_us: u64, finds: &mut Finds, tested: &mut u32) {
-        let config = self.config;
+        let Self { config, tracks } = self;
         if config.centre.mode == CentreMode::RowEdge {
             return;
         }
-        for (find, track) in finds.iter_mut().zip(&mut self.tracks) {
+        for (find, track) in finds.iter_mut().zip(&mut *tracks) {
             if let (Some(find), Some(track)) = (find, track)
                 && find.whole
-                && let Ok(rim) = sought_rim(frame, t_us, find, track, None, &config, tested)
+                && let Ok(rim) = sought_rim(frame, t_us, find, track, None, config, tested)
             {
-                take(find, track, &rim, t_us, &config);
+                take(find, track, &rim, t_us, config);
             }
         }
         let now = whole_places(finds);
-        for (find, track) in finds.iter_mut().zip(&mut self.tracks) {
+        for (find, track) in finds.iter_mut().zip(tracks) {
             if let Some(track) = track
                 && !find.as_ref().is_some_and(|find| find.whole)
             {
-                let expected = expected(track, &now, t_us, &config);
-                refine_part(frame, t_us, find, track, expected, &config, tested);
+                let expected = expected(track, &now, t_us, config);
+                refine_part(frame, t_us, find, track, expected, config, tested);
             }
         }
     }
@@ -217,9 +219,11 @@ fn unseen(track: &BallTrack, expected: &Expected, config: &TrackerConfig) -> Fin
         cut: false,
     };
     let matcher = track.appearance.matcher(config.colour.alpha_256);
-    Find::new(Candidate { blob, matcher, score: 0.0 }, Mode::Tracking)
+    Find::new(&Candidate { blob, score: 0.0 }, matcher, Mode::Tracking)
 }
 
+/// Never a part of its callers, nor of one of them twice: a rim takes stack that nothing else needs then.
+#[inline(never)]
 fn sought_rim(
     frame: &FrameView<'_>,
     t_us: u64,

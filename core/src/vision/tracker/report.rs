@@ -22,6 +22,7 @@ const UNREFINED_PART_SIGMA: f32 = 0.25;
 const PREDICTED_SIGMA: f32 = 0.5;
 
 impl CameraTracker {
+    #[inline(never)]
     pub(super) fn remember(&mut self, t_us: u64, finds: &Finds, predicted: &Places, report: &mut StepReport) {
         let places = places(finds);
         let predict_us = self.config.occlusion.predict_us;
