@@ -1,21 +1,27 @@
-//! Gives the linker the memory layout of the board that is built for.
+//! Gives the linker the memory layout of the board that is built for, and of core alone.
 
 use std::path::PathBuf;
 use std::{env, fs, io};
 
+/// The programs of the MPS2 boards.
+const MPS2: [&str; 3] = ["mps2-camera", "mps2-figures", "mps2-hand"];
+
 fn main() -> io::Result<()> {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-changed=memory");
+    // cargo sets it for every build script
+    let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
+    println!("cargo:rustc-link-search={}", out.display());
+    println!("cargo:rustc-link-arg-bins=--nmagic");
+    fs::copy("memory/core_alone.x", out.join("core_alone.x"))?;
+    println!("cargo:rustc-link-arg-bin=core-alone=-Tcore_alone.x");
     if env::var_os("CARGO_FEATURE_MPS2").is_none() {
         return Ok(());
     }
-    // cargo sets it for every build script
-    let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
     fs::copy("memory/mps2.x", out.join("memory.x"))?;
     fs::copy("memory/mps2_device.x", out.join("device.x"))?;
-    println!("cargo:rustc-link-search={}", out.display());
-    for argument in ["--nmagic", "-Tlink.x"] {
-        println!("cargo:rustc-link-arg-bins={argument}");
+    for program in MPS2 {
+        println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
     }
     Ok(())
 }

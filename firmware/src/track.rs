@@ -26,8 +26,9 @@ pub async fn track(
                 match seen {
                     Ok(seen) => {
                         good();
-                        for notice in seen.notices {
-                            packets.send(Some(notice.into())).await;
+                        // (a loop over the vector itself has a panic path)
+                        for notice in &seen.notices {
+                            packets.send(Some((*notice).into())).await;
                         }
                         if let Some(mut observation) = seen.observation {
                             let now_us =

@@ -49,6 +49,8 @@ async fn send_task() {
     process::exit(0)
 }
 
+// What is made here is moved to where it stays: the stack for that is given back before any task runs.
+#[inline(never)]
 fn spawn(spawner: Spawner, tape: Tape) {
     static PICTURES: ConstStaticCell<[PictureBuffer; BUFFERS]> =
         ConstStaticCell::new([const { PictureBuffer::new() }; BUFFERS]);

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use std::{env, fs, io, thread};
 
-/// Names the folder of the firmware's programs; `cargo verify` sets it.
+/// Names the folder of the firmware's programs, one folder a build; `cargo verify` sets it.
 pub const PROGRAMS: &str = "TETRAD_FIRMWARE";
 
 /// The longest a run may take.
@@ -25,15 +25,58 @@ pub enum Board {
 }
 
 impl Board {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::An386, Self::An500];
-
     const fn machine(self) -> &'static str {
         match self {
             Self::An386 => "mps2-an386",
             Self::An500 => "mps2-an500",
         }
     }
+}
+
+/// What the programs were built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Build {
+    /// Single precision in the processor, double in a library. It runs on both boards.
+    CortexM4F,
+    /// Both in the processor.
+    CortexM7,
+}
+
+impl Build {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::CortexM4F, Self::CortexM7];
+
+    /// The path of a program.
+    ///
+    /// # Errors
+    /// Nobody has said where the programs are.
+    pub fn program(self, name: &str) -> io::Result<PathBuf> {
+        let folder = match self {
+            Self::CortexM4F => "cortex-m4f",
+            Self::CortexM7 => "cortex-m7",
+        };
+        Ok(programs()?.join(folder).join(name))
+    }
+}
+
+/// A build on a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Target {
+    /// What runs.
+    pub build: Build,
+    /// Where.
+    pub board: Board,
+}
+
+impl Target {
+    /// Each build on the board of its processor.
+    pub const OWN: [Self; 2] = [
+        Self { build: Build::CortexM4F, board: Board::An386 },
+        Self { build: Build::CortexM7, board: Board::An500 },
+    ];
+
+    /// What is not built for the M7 on a board that has one.
+    pub const FOREIGN: Self = Self { build: Build::CortexM4F, board: Board::An500 };
 
     /// The bytes that the smart camera wrote to its serial line, and what it said on standard error.
     ///
@@ -49,14 +92,23 @@ impl Board {
     /// Runs a program in a folder; what it said on both streams.
     ///
     /// # Errors
-    /// As [`Board::play`].
+    /// As [`Target::play`].
     pub fn run(self, program: &str, folder: &Path, icount: &str) -> io::Result<String> {
         let said_path = folder.join("said");
         let said = fs::File::create(&said_path)?;
         let mut qemu = Command::new("qemu-system-arm");
-        qemu.args(["-machine", self.machine(), "-display", "none", "-monitor", "none", "-icount", icount]);
+        qemu.args([
+            "-machine",
+            self.board.machine(),
+            "-display",
+            "none",
+            "-monitor",
+            "none",
+            "-icount",
+            icount,
+        ]);
         qemu.args(["-semihosting-config", "enable=on,target=native", "-serial", "file:line", "-kernel"]);
-        qemu.arg(programs()?.join(program)).current_dir(folder);
+        qemu.arg(self.build.program(program)?).current_dir(folder);
         let mut child = qemu.stdin(Stdio::null()).stdout(said.try_clone()?).stderr(said).spawn()?;
         let started = Instant::now();
         let status = loop {
@@ -79,11 +131,8 @@ impl Board {
     }
 }
 
-/// The folder of the firmware's programs.
-///
-/// # Errors
-/// Nobody has said where it is.
-pub fn programs() -> io::Result<PathBuf> {
+/// The folder of the builds.
+fn programs() -> io::Result<PathBuf> {
     env::var_os(PROGRAMS).map(PathBuf::from).ok_or_else(|| {
         io::Error::other(format!("{PROGRAMS} is not set: run `cargo verify --only firmware-qemu`"))
     })

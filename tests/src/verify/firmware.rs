@@ -2,10 +2,10 @@
 
 use super::target::{TRIPLE, Toolchain};
 use super::{Context, Outcome, Run, packages, suite};
-use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
+use std::{fs, io};
 
 const LIMIT: Duration = Duration::from_secs(900);
 
@@ -14,14 +14,60 @@ const MANIFEST: &str = "firmware/Cargo.toml";
 /// Every board's feature.
 const BOARDS: [&str; 1] = ["mps2"];
 
-fn build(context: &Context, toolchain: &Toolchain, features: &str) -> Run {
-    let base = ["build", "--locked", "--release", "--manifest-path", MANIFEST, "--features", features];
-    let mut cargo = toolchain.cargo(context, &base);
-    context.run(cargo.env("CARGO_TARGET_DIR", context.target.join("firmware")), LIMIT)
+/// What is built of the firmware, to be run or measured.
+struct Build {
+    /// The folder for its programs.
+    folder: &'static str,
+    /// rustc's name of the processor, where it is not built for all of the target.
+    processor: Option<&'static str>,
+    /// Where it is another level than that of firmware/Cargo.toml, which says for what.
+    optimisation: Option<&'static str>,
+    programs: &'static [&'static str],
+}
+
+/// The camera for each processor of QEMU's boards. What is built for the M4F runs on the M7 too, which
+/// computes in double precision besides; poses and the arm are for the M7 alone.
+const BUILDS: [Build; 3] = [
+    Build { folder: "cortex-m4f", processor: None, optimisation: None, programs: &CAMERA },
+    Build { folder: "cortex-m7", processor: Some("cortex-m7"), optimisation: None, programs: &CAMERA },
+    Build {
+        folder: "cortex-m7",
+        processor: Some("cortex-m7"),
+        optimisation: Some("3"),
+        programs: &["mps2-hand"],
+    },
+];
+
+const CAMERA: [&str; 3] = ["mps2-camera", "mps2-figures", "core-alone"];
+
+impl Build {
+    fn run(&self, context: &Context, toolchain: &Toolchain) -> Run {
+        let base = ["build", "--locked", "--release", "--manifest-path", MANIFEST, "--features", "mps2"];
+        let mut cargo = toolchain.cargo_for(context, &base, self.processor);
+        cargo.args(self.programs.iter().flat_map(|name| ["--bin", name]));
+        if let Some(level) = self.optimisation {
+            cargo.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", level);
+        }
+        let target = context.target.join("firmware");
+        let mut run = context.run(cargo.env("CARGO_TARGET_DIR", &target), LIMIT);
+        if run.ok
+            && let Err(error) = self.keep(&target.join(TRIPLE).join("release"), &programs(context))
+        {
+            (run.ok, run.failure) = (false, format!("{}: {error}", self.folder));
+        }
+        run
+    }
+
+    /// Cargo has one place for the programs of all builds: they are kept before the next are built.
+    fn keep(&self, built: &Path, programs: &Path) -> io::Result<()> {
+        let folder = programs.join(self.folder);
+        fs::create_dir_all(&folder)?;
+        self.programs.iter().try_for_each(|name| fs::copy(built.join(name), folder.join(name)).map(|_| ()))
+    }
 }
 
 fn programs(context: &Context) -> PathBuf {
-    context.target.join("firmware").join(TRIPLE).join("release")
+    context.target.join("firmware").join("programs")
 }
 
 /// No lint is left in the firmware of any board.
@@ -49,9 +95,11 @@ pub(super) fn qemu(context: &Context) -> Outcome {
         Ok(toolchain) => toolchain,
         Err(missing) => return Outcome::skip(&context.check, missing),
     };
-    let built = build(context, &toolchain, "mps2");
-    if !built.ok {
-        return built.outcome();
+    for build in BUILDS {
+        let built = build.run(context, &toolchain);
+        if !built.ok {
+            return built.outcome();
+        }
     }
     let programs = programs(context);
     let Some(folder) = programs.to_str() else {

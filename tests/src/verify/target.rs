@@ -53,18 +53,32 @@ impl Toolchain {
         debian_sysroot(context).map(Self::Debian)
     }
 
-    /// Cargo with `arguments`, set up for [`TRIPLE`].
+    /// Cargo with `arguments`, set up for [`TRIPLE`] and so for every processor of it.
     pub(super) fn cargo(&self, context: &Context, arguments: &[&str]) -> Command {
-        let mut cargo = match self {
-            Self::Own => context.cargo(arguments),
+        self.cargo_for(context, arguments, None)
+    }
+
+    /// The same for one processor alone, where rustc's name for it is given.
+    pub(super) fn cargo_for(
+        &self,
+        context: &Context,
+        arguments: &[&str],
+        processor: Option<&str>,
+    ) -> Command {
+        let (mut cargo, base) = match self {
+            Self::Own => (context.cargo(arguments), std::env::var("RUSTFLAGS").ok()),
             Self::Debian(sysroot) => {
                 let mut cargo = debian_cargo(context, "debian");
-                cargo.env("RUSTFLAGS", format!("--sysroot {}", sysroot.display()));
                 cargo.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "ld.lld");
                 cargo.args(arguments);
-                cargo
+                (cargo, Some(format!("--sysroot {}", sysroot.display())))
             }
         };
+        let flag = processor.map(|processor| format!("-Ctarget-cpu={processor}"));
+        let flags: Vec<String> = base.into_iter().chain(flag).collect();
+        if !flags.is_empty() {
+            cargo.env("RUSTFLAGS", flags.join(" "));
+        }
         cargo.args(["--target", TRIPLE]);
         cargo
     }

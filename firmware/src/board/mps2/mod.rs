@@ -8,8 +8,10 @@
 //! | embassy's clock on the two CMSDK timers | `time` |
 //! | the serial line | `uart` |
 //! | recorded pictures and commands, read by semihosting | `tape` |
+//! | what a piece of work costs | `cost` |
 //! | what happens when something cannot be gone on with | `fault` |
 
+pub mod cost;
 pub mod executor;
 mod fault;
 mod interrupts;
