@@ -67,5 +67,7 @@ fn camera() {
 #[unsafe(no_mangle)]
 pub extern "C" fn _start() -> ! {
     camera();
-    loop {}
+    loop {
+        core::hint::spin_loop();
+    }
 }
