@@ -1,47 +1,77 @@
 //! What moves the arm goes first, what is only looked at gives way.
-//!
-//! Niceness would not do for the first: kernels of today let whatever runs finish its slice, four milliseconds,
-//! before a thread of the same kind that has something to send.
 
-/// What a thread does on the way from camera to arm; a later one goes before those above it, which take longer.
+/// What a thread does on the way from camera to arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
 pub(crate) enum Duty {
-    /// It finds balls in pictures.
-    Track = 1,
-    /// It joins what was seen and sends it, or carries it.
-    Send = 2,
-    /// It keeps the arm's cycles, or those of its port.
-    Drive = 3,
+    /// It finds balls in pictures. On a slow computer that may take all the time there is, so it may not take it from
+    /// everybody else, of whom one hears STOP: a niceness of ten less than it was.
+    Track,
+    /// It joins what was seen and hears the operator's keys: little, and at once. Niceness would not do for that:
+    /// kernels of today let whatever runs finish its slice, four milliseconds, before a thread that has something to do.
+    Join,
+    /// It keeps the arm's cycles, or those of its port, and goes before those that join.
+    Drive,
 }
 
-/// Puts the calling thread before all that is not on the way from camera to arm: at a real-time priority
-/// (`SCHED_RR`), where the system lets it (docs/deploy.md). Elsewhere it stays as it is, and a busy computer delays it.
+/// How much less niceness a thread has that tracks.
+const TRACKING: i32 = 10;
+
+/// Puts the calling thread before all that is not on the way from camera to arm, where the system lets it
+/// (docs/deploy.md). Elsewhere it stays as it is, a busy computer delays it, and the log says so.
 ///
-/// Threads that it starts are as threads are. One that fails to sleep leaves the rest a twentieth of a
-/// processor, as the kernel has it.
+/// Real-time priorities are for threads alone that nobody outside can keep busy: not for the network's, which
+/// strangers may flood, nor for the console's, of whom one hears STOP beside that flood.
+///
+/// Threads that one with a real-time priority starts are as threads are.
 pub(crate) fn step_forward(duty: Duty) {
-    #[cfg(target_os = "linux")]
-    {
-        let param = libc::sched_param { sched_priority: i32::from(duty as u8) };
-        let policy = libc::SCHED_RR | libc::SCHED_RESET_ON_FORK;
-        // SAFETY: `param` outlives the call, which reads it; 0 is the calling thread alone. Not by the function of the
-        // same name, which is for processes: some C libraries have none
-        let _ = unsafe { libc::syscall(libc::SYS_sched_setscheduler, 0, policy, &raw const param) };
+    let allowed = match duty {
+        Duty::Track => add_niceness(-TRACKING),
+        Duty::Join => take_turns_at(1),
+        Duty::Drive => take_turns_at(2),
+    };
+    if !allowed {
+        tracing::info!(?duty, "this thread may not go before others: docs/deploy.md says how it may");
     }
-    #[cfg(not(target_os = "linux"))]
-    let _ = duty;
 }
 
 /// Makes the calling thread one niceness lower than it was. Where the system does not know of it, or does
 /// not allow it, the thread stays as it is: it is slower to nobody's harm.
 pub(crate) fn step_back() {
+    let _ = add_niceness(1);
+}
+
+/// A real-time priority, in turns with others that have the same (`SCHED_RR`). Whether it was given.
+fn take_turns_at(priority: i32) -> bool {
+    #[cfg(target_os = "linux")]
+    {
+        let param = libc::sched_param { sched_priority: priority };
+        let policy = libc::SCHED_RR | libc::SCHED_RESET_ON_FORK;
+        // SAFETY: `param` outlives the call, which reads it; 0 is the calling thread alone. Not by the function of the
+        // same name, which is for processes: some C libraries have none
+        let answer = unsafe { libc::syscall(libc::SYS_sched_setscheduler, 0, policy, &raw const param) };
+        answer == 0
+    }
+    #[cfg(not(target_os = "linux"))]
+    {
+        let _ = priority;
+        false
+    }
+}
+
+/// Whether it was given.
+fn add_niceness(more: i32) -> bool {
     #[cfg(target_os = "linux")]
     {
         // SAFETY: plain numbers in and out; under Linux 0 is the calling thread alone
         let before = unsafe { libc::getpriority(libc::PRIO_PROCESS, 0) };
         // SAFETY: as above
-        let _ = unsafe { libc::setpriority(libc::PRIO_PROCESS, 0, before.saturating_add(1)) };
+        let answer = unsafe { libc::setpriority(libc::PRIO_PROCESS, 0, before.saturating_add(more)) };
+        answer == 0
+    }
+    #[cfg(not(target_os = "linux"))]
+    {
+        let _ = more;
+        false
     }
 }
 
@@ -77,16 +107,20 @@ mod tests {
     #[test]
     fn it_is_the_calling_thread_alone_that_steps_forward_where_it_may() {
         let before = stands();
-        for duty in [Duty::Track, Duty::Send, Duty::Drive] {
+        let [policy, priority, niceness] = before;
+        let in_turns = i64::from(libc::SCHED_RR | libc::SCHED_RESET_ON_FORK);
+        for (duty, forward) in [
+            (Duty::Track, [policy, priority, (niceness - i64::from(TRACKING)).max(-20)]),
+            (Duty::Join, [in_turns, 1, niceness]),
+            (Duty::Drive, [in_turns, 2, niceness]),
+        ] {
             let there = spawn(move || {
                 step_forward(duty);
                 (stands(), spawn(stands).join().unwrap())
             });
             let (stood, its_own) = there.join().unwrap();
-            let round_robin = i64::from(libc::SCHED_RR | libc::SCHED_RESET_ON_FORK);
-            let forward = [round_robin, duty as i64, before[2]];
             assert!(stood == forward || stood == before, "{duty:?}: {stood:?}");
-            assert_eq!(its_own[..2], before[..2], "what it starts is as threads are");
+            assert_eq!(its_own[..2], before[..2], "what it starts has no real-time priority");
         }
         assert_eq!(stands(), before);
     }

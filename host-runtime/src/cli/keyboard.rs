@@ -10,6 +10,7 @@ mod held;
 
 use crate::exit::{Exit, Failure};
 use crate::locked::lock;
+use crate::precedence::{Duty, step_forward};
 use crate::station::operator::SCALES;
 use crossterm::event::{
     self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers, KeyboardEnhancementFlags,
@@ -99,6 +100,7 @@ impl Reader {
     }
 
     fn read(&self) {
+        step_forward(Duty::Join);
         while !self.end.load(Ordering::Relaxed) {
             match event::poll(LOOK).and_then(|is_there| is_there.then(event::read).transpose()) {
                 Ok(Some(Event::Key(event))) => self.desk().strike(event, Instant::now()),

@@ -6,7 +6,8 @@ use axum::extract::State as Of;
 use axum::http::StatusCode;
 use serde::Serialize;
 use std::fmt;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
+use tokio::sync::Mutex;
 
 /// What is to be looked at before anything moves.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -26,8 +27,8 @@ pub type Checker = Box<dyn Fn() -> Checklist + Send + Sync>;
 #[derive(Default)]
 pub(super) struct Checks {
     checker: OnceLock<Checker>,
-    /// Devices are not asked twice at once.
-    asked: Mutex<()>,
+    /// Devices are not asked twice at once, and who waits keeps no thread.
+    asked: Arc<Mutex<()>>,
 }
 
 impl Checks {
@@ -37,7 +38,6 @@ impl Checks {
     }
 
     fn ask(&self) -> Checklist {
-        let _one = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
         self.checker.get().map_or_else(Checklist::default, |checker| checker())
     }
 }
@@ -49,6 +49,13 @@ impl fmt::Debug for Checks {
 }
 
 pub(super) async fn checklist(Of(state): Of<State>) -> Result<Json<Checklist>, StatusCode> {
-    let asked = tokio::task::spawn_blocking(move || state.desk.checks().ask()).await;
+    // kept until it is done, whether anybody still waits for the answer or not
+    let turn = Arc::clone(&state.desk.checks().asked).lock_owned().await;
+    let asked = tokio::task::spawn_blocking(move || {
+        let checklist = state.desk.checks().ask();
+        drop(turn);
+        checklist
+    })
+    .await;
     asked.map(Json).map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)
 }

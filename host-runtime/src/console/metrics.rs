@@ -14,8 +14,11 @@ const SILENT_US: u64 = 1_000_000;
 /// The arm's states, as the law names them.
 const STATES: [&str; 5] = ["stopped", "armed", "engaged", "hold", "fault"];
 
-/// Whether the operator's loop goes round.
+/// Whether the operator's loop goes round; where sessions alone are shown there is none.
 pub(super) async fn health(Of(state): Of<State>) -> Response {
+    if state.desk.views().is_empty() {
+        return (StatusCode::OK, "ok: sessions are shown, no station runs here\n").into_response();
+    }
     let age_us = state.desk.now_us().saturating_sub(state.desk.snapshot().time_us);
     if age_us <= SILENT_US {
         (StatusCode::OK, "ok\n").into_response()

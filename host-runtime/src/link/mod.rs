@@ -77,7 +77,6 @@ pub use outbox::OutboxCounts;
 pub use peer::{ConfigurationTooLong, LinkStats, Peer};
 pub use picture::Picture;
 
-use crate::precedence::{Duty, step_forward};
 use crate::robot::clock::Clock;
 use discovery::Scope;
 use news::News;
@@ -355,7 +354,6 @@ fn run(
     clients: &Clients,
     stopped: oneshot::Receiver<()>,
 ) {
-    step_forward(Duty::Send);
     runtime.block_on(async {
         tokio::spawn(connect::accept(endpoint.clone(), Arc::clone(link)));
         for peer in &link.peers {

@@ -6,7 +6,7 @@
 
 use super::configuration::Beginning;
 use super::error::SessionError;
-use super::reader::{HEAD, Reader, compressed, damaged};
+use super::reader::{HEAD, LONGEST_CHUNK, Reader, compressed, damaged};
 use super::topic::Topic;
 use crate::regular_file;
 use mcap::parse_record;
@@ -19,10 +19,6 @@ use std::path::{Path, PathBuf};
 
 /// The most messages that are kept track of: four hours of two cameras and an arm, 64 MB.
 const MOST_MESSAGES: usize = 4 << 20;
-
-/// The longest chunk that is read, bytes: ours end with the picture that makes them longer than 2 MiB, and
-/// no picture is longer than 8192 x 8192 pixels of three bytes.
-const LONGEST_CHUNK: u64 = 256 << 20;
 
 /// The longest list of a chunk's messages, bytes: a million of one topic.
 const LONGEST_LIST: u64 = 16 << 20;

@@ -201,6 +201,10 @@ enum Found {
     End(BTreeMap<String, String>),
 }
 
+/// The longest chunk that is read, bytes, and the longest record: ours end with the picture that makes them longer
+/// than 2 MiB, and no picture is longer than 8192 x 8192 pixels of three bytes.
+pub(super) const LONGEST_CHUNK: u64 = 256 << 20;
+
 /// The records of a file, those in chunks as well.
 struct Records<R> {
     input: R,
@@ -219,8 +223,9 @@ struct Records<R> {
 
 impl<R: Read> Records<R> {
     fn new(input: R, length: u64) -> Self {
-        // no record is longer than the file, and none is asked memory for that is
-        let longest = usize::try_from(length).unwrap_or(usize::MAX);
+        // none is asked memory for that is longer than the file, or than any that is written: a file of 3 GB may
+        // take 4 kB on the disk
+        let longest = usize::try_from(length.min(LONGEST_CHUNK)).unwrap_or(usize::MAX);
         let options = LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(longest);
         let linear = LinearReader::new_with_options(options);
         Self { input, length, linear, chunk: Vec::new(), place: 0, taken: 0, at: 0, over: false, cut: false }
@@ -303,10 +308,12 @@ impl<R: Read> Records<R> {
                     mcap::McapError::UnexpectedEof | mcap::McapError::BadMagic => {
                         Err(SessionError::NotMcap { path: path.to_owned() })
                     }
-                    // a length that reaches beyond the end of the file
-                    mcap::McapError::RecordTooLarge { .. } | mcap::McapError::ChunkTooLarge(_)
-                        if self.taken <= self.length =>
-                    {
+                    mcap::McapError::RecordTooLarge { len, .. } | mcap::McapError::ChunkTooLarge(len) => {
+                        if len <= self.length.saturating_sub(self.taken) {
+                            let reason = format!("a record of {len} bytes, longer than any that is written");
+                            return Err(damaged(path, at, reason));
+                        }
+                        // it reaches beyond the end of the file
                         self.cut = true;
                         Ok(None)
                     }

@@ -15,7 +15,6 @@ pub use receiver::{Line, NodeCounts, Receiver};
 use super::back_off::BackOff;
 use super::newest::Newest;
 use crate::link::Received;
-use crate::precedence::{Duty, step_forward};
 use crate::robot::clock::Clock;
 use serialport::{ClearBuffer, DataBits, FlowControl, Parity, SerialPort, StopBits};
 use std::io::{self, ErrorKind, Read};
@@ -117,7 +116,6 @@ struct Listener {
 
 impl Listener {
     fn listen(mut self, ring: &dyn Fn()) {
-        step_forward(Duty::Send);
         while !self.shared.stop.load(Ordering::Relaxed) {
             if let Some(wait) = self.back_off.wait(self.clock.now_us()) {
                 std::thread::sleep(wait);

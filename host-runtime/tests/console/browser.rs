@@ -75,6 +75,8 @@ impl Browser {
                 ],
             },
             "goog:loggingPrefs": {"browser": "ALL"},
+            // an authority that somebody has made is not known to it
+            "acceptInsecureCerts": true,
         });
         let session = Session::new(port, capabilities).expect("chromedriver opens chromium");
         let browser = Self { session, _driver: driver, _profile: profile };
@@ -90,6 +92,11 @@ impl Browser {
     /// Loads the page again.
     pub(crate) fn reload(&self) {
         self.session.post("/refresh", json!({}));
+    }
+
+    /// The cookies of the page's place, as WebDriver tells them (section 14).
+    pub(crate) fn cookies(&self) -> Value {
+        self.session.get("/cookie")
     }
 
     /// What the body of a function returns, in the page.

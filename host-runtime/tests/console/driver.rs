@@ -105,6 +105,29 @@ pub(crate) fn holds_told(browser: &Browser) -> u64 {
     browser.script("return window.holdsTold").as_u64().expect("a page that counts")
 }
 
+/// Has the page write down when it last told that a button is held, from now on.
+pub(crate) fn note_holds(browser: &Browser) {
+    browser.script(
+        "sessionStorage.removeItem('held');
+         if (window.notesHolds) return;
+         window.notesHolds = true;
+         const send = WebSocket.prototype.send;
+         WebSocket.prototype.send = function (data) {
+           if (JSON.parse(data).type === 'hold') sessionStorage.setItem('held', performance.timeOrigin + performance.now());
+           return send.call(this, data);
+         };",
+    );
+}
+
+/// By how much that was after what was [noted](note), milliseconds by the page's own clock.
+#[track_caller]
+pub(crate) fn held_after_ms(browser: &Browser) -> f64 {
+    let told = browser.script(
+        "return Number(sessionStorage.getItem('held') ?? NaN) - Number(sessionStorage.getItem('noted') ?? NaN)",
+    );
+    told.as_f64().expect("a press and what ended it were noted")
+}
+
 /// Has the page write down when an event comes first, before anything else hears of it.
 pub(crate) fn note(browser: &Browser, target: &str, event: &str) {
     browser.script(&format!(

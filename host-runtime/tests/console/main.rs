@@ -9,6 +9,7 @@
 
 mod browser;
 mod driver;
+mod encrypted;
 mod eyes;
 mod full_screen;
 mod holding;

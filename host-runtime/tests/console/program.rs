@@ -46,6 +46,7 @@ listen = \"127.0.0.1:0\"
 /// A program with a console. Dropped, it is killed.
 pub(crate) struct Program {
     process: Child,
+    scheme: &'static str,
     address: SocketAddr,
     dir: tempfile::TempDir,
 }
@@ -96,11 +97,12 @@ impl Program {
         let log = std::fs::File::create(dir.path().join("said.txt")).expect("a file");
         let errors = log.try_clone().expect("the same file");
         let process = command.stdout(log).stderr(errors).spawn().expect("the program starts");
-        let mut program = Self { process, address: SocketAddr::from(([127, 0, 0, 1], 0)), dir };
+        let nowhere = SocketAddr::from(([127, 0, 0, 1], 0));
+        let mut program = Self { process, scheme: "http", address: nowhere, dir };
         let began = Instant::now();
-        program.address = loop {
-            if let Some(address) = console_in(&program.said()) {
-                break address;
+        (program.scheme, program.address) = loop {
+            if let Some(console) = console_in(&program.said()) {
+                break console;
             }
             assert!(began.elapsed() < LONG, "no console: {}", program.said());
             std::thread::sleep(POLL);
@@ -119,7 +121,7 @@ impl Program {
 
     /// The address of a page.
     pub(crate) fn url(&self, path: &str) -> String {
-        format!("http://{}{path}", self.address)
+        format!("{}://{}{path}", self.scheme, self.address)
     }
 
     /// Ends it as Ctrl-C does, and gives what the arm did.
@@ -161,10 +163,12 @@ impl Drop for Program {
     }
 }
 
-/// The address in what it printed, once its line is whole.
-fn console_in(said: &str) -> Option<SocketAddr> {
-    let (_, rest) = said.split_once("http://")?;
-    rest.split_once(['/', '\n'])?.0.parse().ok()
+/// The scheme and the address in what it printed, once its line is whole.
+fn console_in(said: &str) -> Option<(&'static str, SocketAddr)> {
+    ["http", "https"].into_iter().find_map(|scheme| {
+        let (_, rest) = said.split_once(&format!("{scheme}://"))?;
+        Some((scheme, rest.split_once(['/', '\n'])?.0.parse().ok()?))
+    })
 }
 
 /// What the slave told of the arm, by its own clock, which is the operator's where both are one program.
@@ -191,6 +195,11 @@ impl Record {
         Self(text.split_inclusive('\n').filter(|line| line.ends_with('\n')).skip(1).map(row).collect())
     }
 
+    /// Whether the arm ever followed.
+    pub(crate) fn moved(&self) -> bool {
+        self.0.iter().any(|told| told.engaged)
+    }
+
     /// Whether the arm was moving at a time.
     pub(crate) fn was_moving(&self, at_us: u64) -> bool {
         let before = self.0.get(..self.0.partition_point(|told| told.slave_us < at_us));
@@ -211,9 +220,8 @@ impl Record {
         let moves = |pair: &[&Told]| {
             pair[0].set_point.iter().zip(pair[1].set_point).any(|(from, to)| (from - to).abs() > 1e-6)
         };
-        let last =
-            stop.windows(2).filter(|pair| moves(pair)).last().map_or(stopped_us, |pair| pair[1].slave_us);
-        last - at_us
+        let last = stop.windows(2).rfind(|pair| moves(pair));
+        last.map_or(stopped_us, |pair| pair[1].slave_us) - at_us
     }
 
     /// How long after a time the arm followed the hand for the last time before it stopped, microseconds.
@@ -236,7 +244,8 @@ impl Record {
     /// - each time, it stood still [`BRAKE_US`] after the stop began: what braking within the joints' limits takes.
     ///
     /// What a busy computer does to messages on their way from the browser is in the second alone: one that was held up
-    /// there holds the button for that much longer.
+    /// there holds the button for that much longer. That the page sends none after what ended the press is looked at in
+    /// the page, each time.
     #[track_caller]
     pub(crate) fn stopped_in_time(&self, what: &str, tries: &[Ended]) {
         let ms = |all: &[u64]| {

@@ -16,7 +16,7 @@ fn pretend(browser: &Browser, arm: &Value, age_us: &Value) {
            const told = window.parse(text, ...more);
            if (told?.type === 'live') {{
              Object.assign(told.snapshot.arm ?? {{}}, {arm});
-             for (const one of [told.snapshot.hand, ...told.snapshot.cameras]) Object.assign(one ?? {{}}, {{age_us: {age_us}}});
+             for (const one of [told.snapshot.hand, ...told.snapshot.cameras, ...told.snapshot.links]) Object.assign(one ?? {{}}, {{age_us: {age_us}}});
            }}
            return told;
          }};"
@@ -63,7 +63,7 @@ fn nothing_that_is_old_has_a_tick() {
             pretend(&browser, &json!({"silent": mark != TICK}), age_us);
             browser.until(&format!(
                 "((lines) => lines.length >= 2 && lines.every((line) => line.textContent.startsWith('{mark}')))(
-                   [...document.querySelectorAll('{lines}')].filter((line) => /(left|right|hand|arm): /.test(line.textContent)))"
+                   [...document.querySelectorAll('{lines}')].filter((line) => /(left|right|hand|arm|slave): /.test(line.textContent)))"
             ));
         };
         for age_us in [json!(600_000), Value::Null] {

@@ -1,7 +1,9 @@
 //! Whatever ends the press stops the arm, in time by the slave's own clock.
 
 use super::browser::{Browser, ESCAPE, SPACE};
-use super::driver::{A_WHILE, hold, note, noted_us, sees_stop, stays_stopped, take, take_control};
+use super::driver::{
+    A_WHILE, held_after_ms, hold, note, note_holds, noted_us, sees_stop, stays_stopped, take, take_control,
+};
 use super::program::{Ended, Program};
 use super::proxy::Proxy;
 use super::turn;
@@ -12,6 +14,9 @@ use super::witness::{Witness, is_moving};
 const TRIES: usize = 3;
 const MOST_TRIES: usize = 12;
 
+/// The page tells of no button after what ended its press, milliseconds by its own clock, which is rounded.
+const HELD_AFTER_MS: f64 = 1.0;
+
 /// When the last message came that held the button, by the operator's clock.
 #[track_caller]
 fn last_held_us(witness: &Witness) -> u64 {
@@ -19,10 +24,18 @@ fn last_held_us(witness: &Witness) -> u64 {
     live["control"]["held_us"].as_u64().unwrap_or_default()
 }
 
+/// Whether the page knows of what ended its press.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Knows {
+    Of,
+    Not,
+}
+
 /// Drives by the space bar, has the press ended in some way, and looks at what the arm did.
 ///
-/// `end` gives when it was, by the operator's clock, if it was, and leaves the drive page open and in control.
-fn stops(test: &str, what: &str, end: impl Fn(&Browser, &Witness, &Program) -> Option<u64>) {
+/// `end` gives when it was, by the operator's clock, if it was, and leaves the drive page open and in control. A page
+/// that knows of it tells of no button any more.
+fn stops(test: &str, what: &str, knows: Knows, end: impl Fn(&Browser, &Witness, &Program) -> Option<u64>) {
     let _turn = turn();
     let Some(browser) = Browser::open(test) else { return };
     let program = Program::operator();
@@ -30,12 +43,18 @@ fn stops(test: &str, what: &str, end: impl Fn(&Browser, &Witness, &Program) -> O
     take_control(&browser, &program.url("/drive"));
     let mut tries = Vec::new();
     for _ in 0..MOST_TRIES {
+        note_holds(&browser);
         hold(&browser, &witness);
         let Some(at_us) = end(&browser, &witness, &program) else {
             browser.key_up(SPACE);
             continue;
         };
         sees_stop(&witness);
+        let held_after_ms = held_after_ms(&browser);
+        assert!(
+            knows == Knows::Not || held_after_ms <= HELD_AFTER_MS,
+            "the page told of the button {held_after_ms} ms after its end"
+        );
         let held_us = last_held_us(&witness);
         // the key is still down, as far as the keyboard knows
         assert!(witness.within(A_WHILE, is_moving).is_err(), "what has ended begins by itself");
@@ -50,7 +69,7 @@ fn stops(test: &str, what: &str, end: impl Fn(&Browser, &Witness, &Program) -> O
 
 #[test]
 fn the_space_bar_is_let_go() {
-    stops("console::stops::the_space_bar_is_let_go", "space bar let go", |browser, witness, _| {
+    stops("console::stops::the_space_bar_is_let_go", "space bar let go", Knows::Of, |browser, witness, _| {
         note(browser, "window", "keyup");
         browser.key_up(SPACE);
         Some(noted_us(browser, witness))
@@ -76,14 +95,14 @@ fn leaves(browser: &Browser, witness: &Witness, (target, event): (&str, &str), w
 
 #[test]
 fn the_focus_is_lost() {
-    stops("console::stops::the_focus_is_lost", "focus lost", |browser, witness, _| {
+    stops("console::stops::the_focus_is_lost", "focus lost", Knows::Of, |browser, witness, _| {
         leaves(browser, witness, ("window", "blur"), "visibilitychange")
     });
 }
 
 #[test]
 fn the_tab_is_hidden() {
-    stops("console::stops::the_tab_is_hidden", "tab hidden", |browser, witness, _| {
+    stops("console::stops::the_tab_is_hidden", "tab hidden", Knows::Of, |browser, witness, _| {
         leaves(browser, witness, ("document", "visibilitychange"), "blur")
     });
 }
@@ -93,6 +112,7 @@ fn the_page_is_loaded_again_and_holds_nothing() {
     stops(
         "console::stops::the_page_is_loaded_again_and_holds_nothing",
         "page loaded again",
+        Knows::Of,
         |browser, witness, _| {
             note(browser, "window", "pagehide");
             browser.reload();
@@ -109,7 +129,7 @@ fn the_page_is_loaded_again_and_holds_nothing() {
 
 #[test]
 fn the_page_hangs() {
-    stops("console::stops::the_page_hangs", "page hung", |browser, witness, _| {
+    stops("console::stops::the_page_hangs", "page hung", Knows::Not, |browser, witness, _| {
         // nothing of the page runs for a second, and the socket stays open
         browser.script(
             "sessionStorage.setItem('noted', performance.timeOrigin + performance.now());

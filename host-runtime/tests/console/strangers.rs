@@ -18,6 +18,7 @@ const SOCKETS: usize = 100;
 /// itself: a try counts where there was no break for as long before the strangers came as they stay.
 const TRIES: usize = 3;
 const MOST_TRIES: usize = 12;
+const LEAST_TRIES: usize = 2;
 
 /// So long before, about as long as they stay.
 const QUIET: Duration = Duration::from_secs(2);
@@ -127,7 +128,7 @@ fn strangers_are_refused_and_driving_goes_on() {
     println!(
         "measured: driven on without a break among strangers and {SOCKETS} sockets: {unbroken} of {tries} times"
     );
-    assert!(tries > 0, "the computer was too busy every time");
+    assert!(tries >= LEAST_TRIES, "the computer was too busy all but {tries} times");
     // a break may fall among strangers by chance, on a computer that has them elsewhere too; not as a rule
     assert!(3 * unbroken >= 2 * tries, "{unbroken} of {tries}");
 }

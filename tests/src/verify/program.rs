@@ -36,7 +36,7 @@ pub(super) fn demo(context: &Context) -> Outcome {
     if run.ok { outcome.showing(run.output) } else { outcome }
 }
 
-/// The runs of `cargo stations` but the flood, whose ten million datagrams are for a quiet computer.
+/// The runs of `cargo stations` but the flood and the page's costs, which are measured on a quiet computer.
 pub(super) fn stations(context: &Context) -> Outcome {
     let program = match build(context) {
         Ok(program) => program,

@@ -81,7 +81,7 @@ impl<T: Real> Governor<T> {
         paced.share
     }
 
-    /// Nobody asks for a goal any more. A way by the joints that the arm was on has ended with that: whoever asks next
+    /// Nobody asks for a goal any more, or for one that can be used. A way by the joints that the arm was on has ended with that: whoever asks next
     /// does so for where the arm is then, and a posture that it was on its way to swings nothing on under a hand that
     /// is still.
     pub(super) fn let_go(&mut self) {
@@ -89,7 +89,6 @@ impl<T: Real> Governor<T> {
             self.braking = self.bounds.iter().map(Bounds::cycles_to_rest).max().unwrap_or(0);
         }
         self.stop();
-        self.rest.end();
     }
 
     /// What is done where the arm has come to rest short of its goal: the next way to it, if there is
@@ -174,6 +173,7 @@ impl<T: Real> Governor<T> {
         let wound = solution(true).is_some_and(|joints| self.is_as_started(&joints, false));
         if unwound || wound {
             self.posture = self.first_posture;
+            self.braking = 0;
             self.by_joints = true;
             self.winds_back = !unwound;
         }

@@ -268,6 +268,7 @@ impl<T: Real> Governor<T> {
         let (verdict, speed_share) = match wished {
             None => {
                 self.let_go();
+                self.rest.end();
                 (Verdict::Pass, T::zero())
             }
             Some((goal, led)) => match self.edges.admit(&goal, &mut limits) {
@@ -277,7 +278,7 @@ impl<T: Real> Governor<T> {
                 }
                 Err(limit) => {
                     limits.add(limit);
-                    self.stop();
+                    self.let_go();
                     (Verdict::Reject, T::zero())
                 }
             },

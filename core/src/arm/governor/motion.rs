@@ -122,7 +122,7 @@ impl<T: Real> Governor<T> {
             self.posture.shoulder = to.shoulder;
         }
         if self.braking > 0 {
-            self.braking -= 1;
+            self.braking = if self.axes.iter().all(Axis::is_at_rest) { 0 } else { self.braking - 1 };
             self.posture = to;
         }
         let kind = if self.by_joints { ChangeKind::Jump } else { ChangeKind::Passage };

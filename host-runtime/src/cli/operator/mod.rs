@@ -12,6 +12,7 @@
 
 mod cameras;
 mod hold;
+mod leisure;
 mod losses;
 mod pictures;
 mod publish;

@@ -2,6 +2,7 @@
 
 use super::cameras::Cameras;
 use super::hold::{Hold, Wish};
+use super::leisure::Leisure;
 use super::note;
 use super::pictures::{self, Pictures};
 use super::publish::{Publisher, Scene};
@@ -31,9 +32,6 @@ const KEYS: Duration = Duration::from_millis(10);
 /// What is no part of the motion (events, pictures, threads that ended) is looked at so often,
 /// microseconds.
 const CHORES_US: u64 = 20_000;
-
-/// No motion has gone for so long: none may come soon, and what was put off is not put off any more, microseconds.
-const LEISURE_US: u64 = 40_000;
 
 /// The memory is warm after a quarter of the run, or after so long, microseconds.
 const WARM_US: u64 = 60_000_000;
@@ -68,8 +66,7 @@ pub(super) struct Run {
     publisher: Option<Publisher>,
     memory: Memory,
     chores_us: u64,
-    /// When a motion went last.
-    moved_us: u64,
+    leisure: Leisure,
     slave_heard_us: Option<u64>,
     /// The last that were asked for.
     resets: u32,
@@ -98,7 +95,7 @@ impl Run {
             publisher,
             memory,
             chores_us: 0,
-            moved_us: 0,
+            leisure: Leisure::default(),
             slave_heard_us: None,
             resets: 0,
             arm: None,
@@ -113,7 +110,7 @@ impl Run {
 
     /// Turn after turn until the end, at most for so long.
     pub(super) fn all(&mut self, longest: Option<Duration>, interrupt: &Interrupt) -> Result<(), Failure> {
-        step_forward(Duty::Send);
+        step_forward(Duty::Join);
         let began_us = self.parts.clock.now_us();
         let micros = |duration: Duration| u64::try_from(duration.as_micros()).unwrap_or(u64::MAX);
         let end_us = longest.map(|longest| began_us.saturating_add(micros(longest)));
@@ -180,18 +177,14 @@ impl Run {
             tape.turn(&turn);
         }
         self.tell(&turn)?;
-        if turn.step.is_some() {
-            self.moved_us = now_us;
-        }
-        // what takes longer follows a motion, where the next picture is farthest: another camera's may come any moment
-        // else, and would wait
-        if turn.step.is_some() || now_us.saturating_sub(self.moved_us) >= LEISURE_US {
-            if now_us.saturating_sub(self.chores_us) >= CHORES_US {
-                self.chores_us = now_us;
-                if self.chores(now_us)? {
-                    return Ok(Wish::Quit);
-                }
+        let at_leisure = self.leisure.is_now(turn.step.is_some(), now_us);
+        if at_leisure && now_us.saturating_sub(self.chores_us) >= CHORES_US {
+            self.chores_us = now_us;
+            if self.chores(now_us)? {
+                return Ok(Wish::Quit);
             }
+        }
+        if at_leisure || self.publisher.as_ref().is_some_and(Publisher::has_news) {
             self.publish(now_us);
         }
         Ok(wish)

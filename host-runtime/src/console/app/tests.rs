@@ -328,7 +328,8 @@ async fn only_a_post_stops() {
 #[tokio::test]
 async fn health_is_that_of_the_loop() {
     let clock = Clock::given();
-    let desk = Desk::new(true, Vec::new(), clock.clone(), Doorbell::default());
+    let desk_of = |views| Desk::new(true, views, clock.clone(), Doorbell::default());
+    let desk = desk_of(vec![("left".to_owned(), ViewKind::Hand)]);
     let health = async || ask(&desk, &with_token(), request(Method::GET, "/health", &[])).await.status();
     clock.set(5_000_000);
     assert_eq!(health().await, StatusCode::SERVICE_UNAVAILABLE);
@@ -336,6 +337,9 @@ async fn health_is_that_of_the_loop() {
     assert_eq!(health().await, StatusCode::OK);
     clock.set(5_500_001);
     assert_eq!(health().await, StatusCode::SERVICE_UNAVAILABLE);
+    // no station, no loop
+    let alone = ask(&desk_of(Vec::new()), &with_token(), request(Method::GET, "/health", &[])).await;
+    assert_eq!(alone.status(), StatusCode::OK);
 }
 
 /// What the server goes by when it has to close a connection.

@@ -19,7 +19,7 @@ live.addEventListener("live", ({ detail: { control, snapshot } }) => {
   const known = hand ? `known by ${KNOWN[hand.state] ?? hand.state}, ${ms(hand.age_us)} ago` : "not seen yet";
   checks.push(`${mark(hand?.position_mm && isHeard(hand.age_us))} hand: ${known}`);
   for (const link of snapshot.links) {
-    checks.push(`${mark(link.connected)} ${link.name}: ${link.connected ? `heard ${ms(link.age_us)} ago` : "AWAY"}`);
+    checks.push(`${mark(link.connected && isHeard(link.age_us))} ${link.name}: ${link.connected ? `heard ${ms(link.age_us)} ago` : "AWAY"}`);
   }
   const arm = snapshot.arm;
   checks.push(`${mark(arm && arm.state !== "fault" && !arm.silent)} arm: ${arm ? arm.standing : "not heard yet"}`);

@@ -150,10 +150,11 @@ pub(super) async fn arm(Of(state): Of<State>, body: String) -> Answer {
     let arms = arms(arm_m)?;
     let file = set_up.file.clone();
     let kept = file.is_some();
+    // before it is kept: a length that is refused is none of the next run either
+    stop_first(&state, entered.page)?;
     let work = move || file.map_or(Ok(()), |file| files::save_arm(&file, mm));
     let (saved, _permit) = aside(permit, work).await?;
     saved?;
-    stop_first(&state, entered.page)?;
     *lock(&set_up.arm_m) = arm_m;
     set_up.begin_anew(arms);
     let until =

@@ -93,6 +93,37 @@ fn a_bit_that_flipped_is_noticed_and_nothing_of_its_chunk_handed_out() {
     assert!(said.contains("a.mcap: damaged at byte ") && said.contains("check sum"), "{said}");
 }
 
+/// A length that is wrong, or hostile, in a file that takes next to nothing on the disk.
+#[test]
+fn no_memory_is_asked_for_what_is_longer_than_anything_that_is_written() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.mcap");
+    session(&path, 6);
+    let mut bytes = fs::read(&path).unwrap();
+    let mut chunks = Vec::new();
+    let mut at = 8;
+    while let Some((opcode, length)) = bytes.get(at).zip(bytes.get(at + 1..at + HEAD)) {
+        if *opcode == op::CHUNK {
+            chunks.push(at);
+        }
+        at += HEAD + u64::from_le_bytes(length.try_into().unwrap()) as usize;
+    }
+    let last = *chunks.last().unwrap();
+    bytes.truncate(last + HEAD);
+    let size = 3 << 30;
+    for (length, ended) in [(1_u64 << 30, Err(())), (LONGEST_CHUNK + 1, Err(())), (1 << 40, Ok(true))] {
+        bytes[last + 1..].copy_from_slice(&length.to_le_bytes());
+        fs::write(&path, &bytes).unwrap();
+        fs::File::options().write(true).open(&path).unwrap().set_len(size).unwrap();
+        let (count, told) = read(&path);
+        assert!((1..6).contains(&count), "{length}: {count}, {told:?}");
+        if let Err(told) = &told {
+            assert!(told.contains(&format!("a record of {length} bytes")), "{told}");
+        }
+        assert_eq!(told.map_err(|_| ()), ended, "{length}");
+    }
+}
+
 #[test]
 fn files_that_are_no_sessions_are_named_with_what_to_give_instead() {
     let dir = tempfile::tempdir().unwrap();

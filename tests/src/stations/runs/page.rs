@@ -113,7 +113,7 @@ pub(super) fn run(cell: &Cell, length: Duration) -> Result<String, String> {
     let console = console.ok_or_else(|| format!("no console:\n{said}"))?.to_owned();
     operator.until_said("engaged", FIND)?;
 
-    let goes_first = operator.goes_first("camera");
+    let goes_first = operator.goes_first("slave");
     let [mut closed, mut read, mut open] = [Turns::default(), Turns::default(), Turns::default()];
     let began = Instant::now();
     while began.elapsed() < length {

@@ -264,11 +264,39 @@ fn let_go_amid_the_way_back<T: Real>(swung: f64, stopped: u64, exact: f64) {
     }
     let off = arm.off(&goal);
     assert!(off.0 < exact && off.1 < exact, "{swung}, {stopped}: {off:?} from there");
+    assert_eq!(arm.governor.braking, 0, "what was let go is over");
     assert!((0..4_000).any(|_| arm.follow(&home).at_rest && arm.off(&home).1 < exact), "and comes home");
 }
 
 fn farthest(a: &Joints<f64>, b: &Joints<f64>) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Let go, or led by what is no goal, and asked home at once: it comes there as soon as if it had never been let go, but
+/// for the braking.
+#[test]
+fn who_lets_go_and_asks_home_at_once_comes_home_all_the_same() {
+    let home_after = |stopped: u64, order: &dyn Fn(&Pose<f64>) -> Order<f64>| {
+        let (mut arm, home) = turned_over::<f64>();
+        for _ in 0..60 {
+            arm.follow(&home);
+        }
+        for _ in 0..stopped {
+            let order = order(&home);
+            arm.step(&order);
+        }
+        (0..4_000).find(|_| arm.follow(&home).at_rest && arm.off(&home).1 < 1e-9).expect("it comes home")
+    };
+    let never = home_after(0, &|_| Order::Stop);
+    for stopped in [1, 5, 20, 100] {
+        let let_go = home_after(stopped, &|_| Order::Stop);
+        let no_goal = home_after(stopped, &|home| {
+            Order::Follow(Pose { translation: home.translation * f64::NAN, ..*home })
+        });
+        for cycles in [let_go, no_goal] {
+            assert!(cycles < never + 200, "{stopped}: {cycles} cycles, {never} without");
+        }
+    }
 }
 
 #[test]
