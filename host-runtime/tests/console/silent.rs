@@ -63,7 +63,7 @@ fn nothing_that_is_old_has_a_tick() {
             pretend(&browser, &json!({"silent": mark != TICK}), age_us);
             browser.until(&format!(
                 "((lines) => lines.length >= 2 && lines.every((line) => line.textContent.startsWith('{mark}')))(
-                   [...document.querySelectorAll('{lines}')].filter((line) => /(left|right|hand|arm|slave): /.test(line.textContent)))"
+                   [...document.querySelectorAll('{lines}')].filter((line) => /(left|right|hand|arm|[{TICK}{CROSS}] slave): /.test(line.textContent)))"
             ));
         };
         for age_us in [json!(600_000), Value::Null] {
