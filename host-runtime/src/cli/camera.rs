@@ -5,7 +5,7 @@ use super::memory::Memory;
 use super::{note, say, tell_aside};
 use crate::exit::{Exit, Failure, OrExit as _};
 use crate::link::{Carrier as _, Link, Peer, Picture};
-use crate::precedence::{Duty, step_forward};
+use crate::precedence::Tracking;
 use crate::robot::clock::Clock;
 use crate::settings::station::{NetworkSettings, StationSettings};
 use crate::station::camera::Step;
@@ -90,7 +90,7 @@ fn work(
     memory: &mut Memory,
     (longest, interrupt): (Option<Duration>, &Interrupt),
 ) -> Result<(), Failure> {
-    step_forward(Duty::Track);
+    let mut tracking = Tracking::begin();
     let began = Instant::now();
     while !interrupt.asked() {
         if longest.is_some_and(|longest| began.elapsed() >= longest) {
@@ -101,6 +101,7 @@ fn work(
             Step::Lost(wait) => std::thread::sleep(wait),
             Step::Ended => return Ok(()),
         }
+        tracking.look();
         tell(station, link);
         memory.look();
     }

@@ -3,7 +3,7 @@
 use super::{CameraCounts, CameraHandle, CameraSink, CameraStation, Order, Step, Windows};
 use crate::exit::Failure;
 use crate::link::Received;
-use crate::precedence::{Duty, step_forward};
+use crate::precedence::Tracking;
 use crate::station::newest::Newest;
 use std::io;
 use std::sync::Arc;
@@ -131,7 +131,7 @@ impl CameraSink for Place<'_> {
 }
 
 fn run(mut station: CameraStation, mut place: Place<'_>, stop: &AtomicBool) -> Ended {
-    step_forward(Duty::Track);
+    let mut tracking = Tracking::begin();
     let mut ended = Ok(());
     while !stop.load(Ordering::Relaxed) {
         match station.step(&mut place) {
@@ -143,6 +143,7 @@ fn run(mut station: CameraStation, mut place: Place<'_>, stop: &AtomicBool) -> E
                 break;
             }
         }
+        tracking.look();
         let notices = station.take_notices();
         if !notices.is_empty() {
             place.newest.tell(notices);
