@@ -37,6 +37,20 @@ pub(crate) const ENTER: &str = "\u{e007}";
 pub(crate) const ALT: &str = "\u{e00a}";
 pub(crate) const ESCAPE: &str = "\u{e00c}";
 
+/// How much of a canvas is not black, 0 to 1: an expression of the page.
+pub(crate) fn lit(css: &str) -> String {
+    format!(
+        "((canvas) => {{
+           const pen = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', {{ willReadFrequently: true }});
+           pen.drawImage(canvas, 0, 0);
+           const {{ data }} = pen.getImageData(0, 0, canvas.width, canvas.height);
+           let lit = 0;
+           for (let at = 0; at < data.length; at += 4) lit += data[at] + data[at + 1] + data[at + 2] > 60;
+           return lit / (data.length / 4);
+         }})(document.querySelector({css:?}))"
+    )
+}
+
 /// A browser with one window, in a profile of its own.
 pub(crate) struct Browser {
     session: Session,

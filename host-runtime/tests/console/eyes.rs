@@ -1,6 +1,6 @@
 //! The slave's view, in each of its ways for two eyes, by the pixels of its canvas.
 
-use super::browser::{Browser, DESK};
+use super::browser::{Browser, DESK, lit};
 use super::pages::screens;
 use super::program::Program;
 use super::proxy::Proxy;
@@ -91,16 +91,6 @@ return {
   red, cyan, rows, swapped,
 };";
 
-/// How much of the canvas is not black, 0 to 1.
-const LIT: &str = "((canvas) => {
-  const pen = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
-  pen.drawImage(canvas, 0, 0);
-  const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
-  let lit = 0;
-  for (let at = 0; at < data.length; at += 4) lit += data[at] + data[at + 1] + data[at + 2] > 60;
-  return lit / (data.length / 4);
-})(document.getElementById('stage'))";
-
 #[test]
 fn one_camera_is_shown_to_both_eyes() {
     let _turn = turn();
@@ -113,7 +103,7 @@ fn one_camera_is_shown_to_both_eyes() {
         browser.until(
             "/^\\d+ ms$/.test(document.getElementById('stamp').textContent) && !document.body.classList.contains('stale')",
         );
-        browser.until(&format!("{LIT} > 0.05"));
+        browser.until(&format!("{} > 0.05", lit("#stage")));
     }
     // nor is there a dead view beside it
     browser.go(&program.url("/drive"));

@@ -1,6 +1,6 @@
 //! The replay page with a recorded session: scrubbed, read whole, exported, and its plots in their places.
 
-use super::browser::{Browser, DESK, LONG, SPACE};
+use super::browser::{Browser, DESK, LONG, SPACE, lit};
 use super::driver::{A_WHILE, hold, sees_stop, take_control};
 use super::pages::{TABLET, screens};
 use super::program::Program;
@@ -24,16 +24,6 @@ const PLOTS_ARE_IN_PLACE: &str = "((places) => {
   const inside = boxes.every((box) => box.left >= 0 && box.right <= innerWidth && box.width > 250 && box.height > 250);
   return places.length >= 5 && drawn && apart && inside;
 })([...document.querySelectorAll('#plots .plot')])";
-
-/// How much of the first camera's picture is not black, 0 to 1.
-const LIT: &str = "((canvas) => {
-  const pen = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
-  pen.drawImage(canvas, 0, 0);
-  const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
-  let lit = 0;
-  for (let at = 0; at < data.length; at += 4) lit += data[at] + data[at + 1] + data[at + 2] > 60;
-  return lit / (data.length / 4);
-})(document.querySelector('#views canvas'))";
 
 /// Records a session in which the arm is driven for a moment.
 fn record(browser: &Browser, sessions: &std::path::Path) {
@@ -71,7 +61,7 @@ fn a_session_that_grows_is_gone_on_with_where_it_was() {
     let before = browser.script(&format!("return Number({length})")).as_f64().expect("a length");
     grows(&browser, &format!("{length} > {before}"));
     browser.until(shown);
-    browser.until(&format!("{LIT} > 0.5"));
+    browser.until(&format!("{} > 0.5", lit("#views canvas")));
 }
 
 /// Looks again until that comes of it.
@@ -135,7 +125,7 @@ fn a_session_is_scrubbed_exported_and_plotted() {
     browser.until(&format!(
         "Math.abs(parseFloat(document.getElementById('time').textContent) - {middle_s}) < 0.01"
     ));
-    browser.until(&format!("{LIT} > 0.5"));
+    browser.until(&format!("{} > 0.5", lit("#views canvas")));
     assert_ne!(browser.text("#standing"), "nothing is open");
     assert_eq!(browser.script("return document.querySelectorAll('#cameras tr').length"), 2);
     browser.tap("\u{e010}");
