@@ -171,8 +171,19 @@ fn console_in(said: &str) -> Option<(&'static str, SocketAddr)> {
     })
 }
 
+/// The whole rows of a table so far: the last may still be written.
+fn rows<T>(file: &Path, read: impl Fn(&[&str]) -> T) -> Vec<T> {
+    let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    let rows = text.split_inclusive('\n').filter(|line| line.ends_with('\n')).skip(1);
+    rows.map(|row| read(&row.trim_end().split(',').collect::<Vec<_>>())).collect()
+}
+
 /// What the slave told of the arm, by its own clock, which is the operator's where both are one program.
-pub(crate) struct Record(Vec<Told>);
+pub(crate) struct Record {
+    told: Vec<Told>,
+    /// Each motion: when its last picture was in memory and when it was handed to the link, by the operator's clock.
+    sent_us: Vec<(u64, u64)>,
+}
 
 /// One packet of it.
 struct Told {
@@ -184,38 +195,48 @@ struct Told {
 
 impl Record {
     fn read(out: &Path) -> Self {
-        let text = std::fs::read_to_string(out.join("arm_state.csv")).expect("arm_state.csv");
-        let row = |line: &str| {
-            let fields: Vec<&str> = line.split(',').collect();
-            let number = |at: usize| fields[at].parse::<f64>().expect("a number");
-            let set_point = std::array::from_fn(|joint| number(8 + joint));
-            Told { slave_us: (number(1) * 1e6).round() as u64, engaged: fields[3] == "engaged", set_point }
-        };
-        // the last line may still be written
-        Self(text.split_inclusive('\n').filter(|line| line.ends_with('\n')).skip(1).map(row).collect())
+        let us = |field: &str| (field.parse::<f64>().expect("a number") * 1e6).round() as u64;
+        let told = rows(&out.join("arm_state.csv"), |fields| {
+            let set_point = std::array::from_fn(|joint| fields[8 + joint].parse().expect("a number"));
+            Told { slave_us: us(fields[1]), engaged: fields[3] == "engaged", set_point }
+        });
+        let sent_us = rows(&out.join("sent.csv"), |fields| (us(fields[2]), us(fields[6])));
+        Self { told, sent_us }
+    }
+
+    /// From picture to datagram, of what was sent within these times: so long that 99 of 100 took no longer.
+    pub(crate) fn delay_p99_ms(&self, spans_us: &[(u64, u64)]) -> f64 {
+        let within =
+            |sent_us: u64| spans_us.iter().any(|(from_us, to_us)| (*from_us..*to_us).contains(&sent_us));
+        let sent = self.sent_us.iter().filter(|(_, sent_us)| within(*sent_us));
+        let mut delays_us: Vec<u64> =
+            sent.map(|(ready_us, sent_us)| sent_us.saturating_sub(*ready_us)).collect();
+        delays_us.sort_unstable();
+        assert!(!delays_us.is_empty(), "no motion was sent");
+        delays_us[(delays_us.len() * 99).div_ceil(100) - 1] as f64 / 1e3
     }
 
     /// Whether the arm ever followed.
     pub(crate) fn moved(&self) -> bool {
-        self.0.iter().any(|told| told.engaged)
+        self.told.iter().any(|told| told.engaged)
     }
 
     /// Whether the arm was moving at a time.
     pub(crate) fn was_moving(&self, at_us: u64) -> bool {
-        let before = self.0.get(..self.0.partition_point(|told| told.slave_us < at_us));
+        let before = self.told.get(..self.told.partition_point(|told| told.slave_us < at_us));
         before.and_then(<[_]>::last).is_some_and(|told| told.engaged)
     }
 
     /// How long after a time the arm began to stop, microseconds.
     fn stop_after(&self, at_us: u64) -> u64 {
-        let mut stood = self.0.iter().filter(|told| told.slave_us >= at_us && !told.engaged);
+        let mut stood = self.told.iter().filter(|told| told.slave_us >= at_us && !told.engaged);
         stood.next().expect("it stopped").slave_us - at_us
     }
 
     /// How long after a time the arm stood still: the joints were sent nowhere else until the next press, microseconds.
     fn rest_after(&self, at_us: u64) -> u64 {
         let stopped_us = at_us + self.stop_after(at_us);
-        let stop = self.0.iter().skip_while(|told| told.slave_us < stopped_us);
+        let stop = self.told.iter().skip_while(|told| told.slave_us < stopped_us);
         let stop: Vec<&Told> = stop.take_while(|told| !told.engaged).collect();
         let moves = |pair: &[&Told]| {
             pair[0].set_point.iter().zip(pair[1].set_point).any(|(from, to)| (from - to).abs() > 1e-6)
@@ -226,13 +247,14 @@ impl Record {
 
     /// How long after a time the arm followed the hand for the last time before it stopped, microseconds.
     fn moved_until(&self, at_us: u64) -> u64 {
-        let since = self.0.iter().filter(|told| told.slave_us >= at_us);
+        let since = self.told.iter().filter(|told| told.slave_us >= at_us);
         since.take_while(|told| told.engaged).last().map_or(0, |told| told.slave_us - at_us)
     }
 
     /// Whether the arm moved from one time to another without a break.
     pub(crate) fn moved_throughout(&self, from_us: u64, to_us: u64) -> bool {
-        let mut within = self.0.iter().filter(|told| (from_us..=to_us).contains(&told.slave_us)).peekable();
+        let mut within =
+            self.told.iter().filter(|told| (from_us..=to_us).contains(&told.slave_us)).peekable();
         within.peek().is_some() && within.all(|told| told.engaged)
     }
 

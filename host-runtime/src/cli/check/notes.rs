@@ -2,6 +2,7 @@
 //! another computer's. Nothing is opened.
 
 use crate::link::authority::KeyFiles;
+use crate::precedence::may_step_forward;
 use crate::robot::canopen::CanopenAddress;
 use crate::robot::{RobotAddress, RobotKind, val2};
 use crate::settings::station::{
@@ -43,7 +44,17 @@ pub(super) fn notes(settings: &StationSettings) -> Vec<String> {
     }
     let here = settings.operator.as_ref().is_some_and(|operator| operator.slave == SlavePlace::Here);
     notes.extend(of_slave(&settings.slave, here));
+    notes.extend(gives_way(may_step_forward()));
     notes
+}
+
+/// Motion that waits for whatever else this computer does. Under other systems nothing would mend that.
+fn gives_way(may_go_first: bool) -> Option<String> {
+    (cfg!(target_os = "linux") && !may_go_first).then(|| {
+        "this computer: who runs this may have no real-time priorities, so that other programs can delay motion: \
+         give rtprio 3 in /etc/security/limits.d, as docs/deploy.md says"
+            .to_owned()
+    })
 }
 
 /// Any free port is another one at each start.
@@ -220,6 +231,14 @@ mod tests {
             assert_eq!(told.len(), notes, "{mode:o}: {told:?}");
             assert!(told.iter().all(|note| note.starts_with("[console] token_file: everybody ")), "{told:?}");
         }
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn motion_that_gives_way_is_told() {
+        assert_eq!(gives_way(true), None);
+        let note = gives_way(false).unwrap_or_default();
+        assert!(note.contains("real-time priorities") && note.contains("docs/deploy.md"), "{note}");
     }
 
     #[test]
