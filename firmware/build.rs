@@ -15,12 +15,18 @@ fn main() -> io::Result<()> {
     println!("cargo:rustc-link-arg-bins=--nmagic");
     fs::copy("memory/core_alone.x", out.join("core_alone.x"))?;
     println!("cargo:rustc-link-arg-bin=core-alone=-Tcore_alone.x");
-    if env::var_os("CARGO_FEATURE_MPS2").is_none() {
-        return Ok(());
-    }
-    fs::copy("memory/mps2.x", out.join("memory.x"))?;
-    fs::copy("memory/mps2_device.x", out.join("device.x"))?;
-    for program in MPS2 {
+    let programs: &[&str] = if env::var_os("CARGO_FEATURE_MPS2").is_some() {
+        fs::copy("memory/mps2.x", out.join("memory.x"))?;
+        fs::copy("memory/mps2_device.x", out.join("device.x"))?;
+        &MPS2
+    } else if env::var_os("CARGO_FEATURE_STM32H743").is_some() {
+        // (its device.x comes with the crate of its registers)
+        fs::copy("memory/stm32h743.x", out.join("memory.x"))?;
+        &["stm32h743-camera"]
+    } else {
+        &[]
+    };
+    for program in programs {
         println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
     }
     Ok(())

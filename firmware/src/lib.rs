@@ -14,15 +14,26 @@
 //! | commands out of a line's bytes | `receive` | no |
 //! | pictures and commands to packets | `track` | no |
 //! | packets to a line's bytes | `send` | no |
+//! | the same packets for two lines | `share` | no |
+//! | a line's bytes in the payloads of CAN FD | `can_fd` | no |
+//! | learning by a button | `teach` | no |
+//! | setting up the image sensor OV7725 | `ov7725` | no |
 //! | what is particular to a board | `board` | yes |
 //!
 //! What is computed is `tetrad-core`'s: the same packets, to the byte, as a desktop computes of the same
 //! pictures. A picture's buffer is handed over and never copied; nothing allocates.
 #![no_std]
 
+#[cfg(test)]
+extern crate std;
+
 pub mod board;
+pub mod can_fd;
 pub mod capture;
 pub mod handover;
+pub mod ov7725;
 pub mod receive;
 pub mod send;
+pub mod share;
+pub mod teach;
 pub mod track;

@@ -2,3 +2,5 @@
 
 #[cfg(feature = "mps2")]
 pub mod mps2;
+#[cfg(feature = "stm32h743")]
+pub mod stm32h743;

@@ -15,11 +15,35 @@ pub struct Sizes {
     pub ram: u32,
 }
 
+/// What is loaded as one, or made room for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// Where it is when the program runs.
+    pub address: u32,
+    /// Bytes that are kept in flash.
+    pub in_file: u32,
+    /// Bytes of memory.
+    pub in_memory: u32,
+}
+
 /// The sizes of a 32-bit program, lowest byte first.
 ///
 /// # Errors
 /// The file cannot be read or is no such program.
 pub fn sizes(program: &Path) -> io::Result<Sizes> {
+    let mut sizes = Sizes::default();
+    for segment in segments(program)? {
+        sizes.flash += segment.in_file;
+        sizes.ram += if segment.address >= RAM { segment.in_memory } else { 0 };
+    }
+    Ok(sizes)
+}
+
+/// What a 32-bit program consists of, lowest byte first.
+///
+/// # Errors
+/// As [`sizes`].
+pub fn segments(program: &Path) -> io::Result<Vec<Segment>> {
     let bytes = std::fs::read(program)?;
     let broken = || io::Error::other(format!("{}: no 32-bit ELF program", program.display()));
     let word = |at: usize| {
@@ -32,17 +56,16 @@ pub fn sizes(program: &Path) -> io::Result<Sizes> {
     }
     let headers = || Some((word(28)? as usize, usize::from(half(42)?), usize::from(half(44)?)));
     let (first, size, count) = headers().ok_or_else(broken)?;
-    let mut sizes = Sizes::default();
+    let mut segments = Vec::new();
     for at in (0..count).map(|index| first + index * size) {
         let header = || Some((word(at)?, word(at + 8)?, word(at + 16)?, word(at + 20)?));
         let (kind, address, in_file, in_memory) = header().ok_or_else(broken)?;
         // 1: is loaded
         if kind == 1 {
-            sizes.flash += in_file;
-            sizes.ram += if address >= RAM { in_memory } else { 0 };
+            segments.push(Segment { address, in_file, in_memory });
         }
     }
-    Ok(sizes)
+    Ok(segments)
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ mod no_panic;
 mod packages;
 mod peers;
 mod program;
+mod stm32h743;
 mod style;
 mod suite;
 mod supply;
@@ -125,6 +126,18 @@ pub const CHECKS: &[Check] = &[
         protects: "the same pictures give the same packets on both boards of QEMU, within the figures' ceilings",
         quick: false,
         run: firmware::qemu,
+    },
+    Check {
+        name: "firmware-test",
+        protects: "the firmware's parts that know no board: sensor, button, CAN payloads, what feeds the watchdog",
+        quick: false,
+        run: stm32h743::desktop,
+    },
+    Check {
+        name: "firmware-stm32h743",
+        protects: "the program for the OpenMV Cam H7 builds, and lies in the right memories; it has not run there",
+        quick: false,
+        run: stm32h743::build,
     },
     Check {
         name: "deny-licences",

@@ -26,7 +26,7 @@ pub(super) fn fmt(context: &Context) -> Outcome {
 /// itself.
 pub(super) fn clippy(context: &Context) -> Outcome {
     let every = ["--workspace", "--all-targets"].as_slice();
-    let boards = ["--package", "tetrad-qemu", "--all-targets", "--features", "boards"].as_slice();
+    let boards = ["--package", "tetrad-qemu", "--all-targets", "--features", "boards,stm32h743"].as_slice();
     // as a microcontroller links it
     let few_views = ["--package", "tetrad-core", "--all-targets", "--no-default-features"].as_slice();
     for targets in [every, &["--package", "tetrad", "--test", "console"], boards, few_views] {
