@@ -2,7 +2,7 @@
 //!
 //! It plays the tape `tetrad.tape` of the folder that QEMU runs in, writes packets to the serial line and
 //! ends QEMU behind the last. Serial 0 is the line. Exit codes: 0 played, 2 no tape, 101 a panic, 102 a
-//! fault; where is said on standard error.
+//! fault, 103 no picture that could be looked at for too long; where is said on standard error.
 #![no_std]
 #![no_main]
 
@@ -12,6 +12,7 @@ use static_cell::{ConstStaticCell, StaticCell};
 use tetrad_core::config::LearnConfig;
 use tetrad_core::node::{Node, NodeConfig};
 use tetrad_firmware::board::mps2::tape::{Player, Tape};
+use tetrad_firmware::board::mps2::watchdog::Watchdog;
 use tetrad_firmware::board::mps2::{self, executor, uart};
 use tetrad_firmware::handover::{BUFFERS, Buffers, Inputs, Packets, PictureBuffer};
 use tetrad_firmware::{capture, receive, send, track};
@@ -36,9 +37,9 @@ async fn receive_task() {
 }
 
 #[embassy_executor::task]
-async fn track_task(node: &'static mut Node) {
-    // the pictures are recorded: no clock is theirs, and no watchdog waits for them
-    track::track(node, &INPUTS, &BUFFERS_FREE, &PACKETS, || None, || {}).await;
+async fn track_task(node: &'static mut Node, mut watchdog: Watchdog) {
+    // the pictures are recorded: no clock is theirs
+    track::track(node, &INPUTS, &BUFFERS_FREE, &PACKETS, || None, || watchdog.feed()).await;
 }
 
 #[embassy_executor::task]
@@ -65,7 +66,7 @@ fn spawn(spawner: Spawner, tape: Tape) {
     let once = "each task is started once";
     spawner.spawn(capture_task(tape.play(&INPUTS)).expect(once));
     spawner.spawn(receive_task().expect(once));
-    spawner.spawn(track_task(node).expect(once));
+    spawner.spawn(track_task(node, Watchdog::start()).expect(once));
     spawner.spawn(send_task().expect(once));
 }
 

@@ -37,6 +37,8 @@ pub fn line(tape: &Tape) -> Vec<u8> {
                     notice.into_iter().for_each(|notice| send(notice.into()));
                 }
             }
+            // the desktop has no watchdog to wait for
+            Event::Pause(_) => {}
             Event::Picture(capture_us, bytes) => {
                 match FrameView::packed(bytes, tape.size.0, tape.size.1, FORMAT) {
                     Ok(view) => {

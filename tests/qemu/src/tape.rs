@@ -35,6 +35,8 @@ pub enum Event {
     Picture(u64, Vec<u8>),
     /// Bytes of the serial line.
     Line(Vec<u8>),
+    /// Nothing, for so many microseconds.
+    Pause(u64),
 }
 
 /// What a board and the desktop are shown.
@@ -87,13 +89,14 @@ impl Tape {
         let format = PixelFormat::ALL.iter().position(|format| *format == FORMAT).unwrap_or_default();
         bytes.extend([format as u8, u8::from(self.mode == Mode::Refined), 0, 0]);
         for event in &self.events {
-            let (kind, capture_us, content) = match event {
-                Event::Picture(capture_us, content) => (1_u32, *capture_us, content),
+            let (kind, time_us, content): (u32, u64, &[u8]) = match event {
+                Event::Picture(capture_us, content) => (1, *capture_us, content),
                 Event::Line(content) => (2, 0, content),
+                Event::Pause(us) => (3, *us, &[]),
             };
             bytes.extend(kind.to_le_bytes());
             bytes.extend((content.len() as u32).to_le_bytes());
-            bytes.extend(capture_us.to_le_bytes());
+            bytes.extend(time_us.to_le_bytes());
             bytes.extend(0_u32.to_le_bytes());
             bytes.extend(content);
         }

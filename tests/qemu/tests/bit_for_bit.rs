@@ -63,7 +63,7 @@ fn a_flipped_bit_of_a_picture_is_noticed() -> io::Result<()> {
     let (width, pictures) = (usize::from(tape.size.0), tape.events.iter_mut());
     let mut pictures = pictures.filter_map(|event| match event {
         Event::Picture(_, bytes) => Some(bytes),
-        Event::Line(_) => None,
+        Event::Line(_) | Event::Pause(_) => None,
     });
     // the upper bit of red, in the middle of the red ball
     let pixel = place.v.round() as usize * width + place.u.round() as usize;

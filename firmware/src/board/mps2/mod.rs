@@ -9,6 +9,7 @@
 //! | the serial line | `uart` |
 //! | recorded pictures and commands, read by semihosting | `tape` |
 //! | what a piece of work costs | `cost` |
+//! | the end of a run when no picture was looked at for too long | `watchdog` |
 //! | what happens when something cannot be gone on with | `fault` |
 
 pub mod cost;
@@ -18,6 +19,7 @@ mod interrupts;
 pub mod tape;
 pub mod time;
 pub mod uart;
+pub mod watchdog;
 
 use core::ptr;
 

@@ -12,14 +12,15 @@
 //! | 1 | the camera's number |
 //! | 1 | 0 |
 //!
-//! and then records: 4 bytes kind (1 a picture, 2 bytes of the serial line), 4 bytes length, 8 bytes
-//! capture time and 4 bytes until it was ready, microseconds (0 for bytes of the line), and as many bytes
-//! as the length says.
+//! and then records: 4 bytes kind (1 a picture, 2 bytes of the serial line, 3 a pause), 4 bytes length, 8
+//! bytes capture time (or how long the pause is) and 4 bytes until it was ready, microseconds (0 for bytes of
+//! the line), and as many bytes as the length says.
 
 use crate::capture::{NoPicture, Sensor};
 use crate::handover::{Captured, Inputs, PictureBuffer};
 use crate::receive::Listener;
 use core::ffi::CStr;
+use embassy_time::Timer;
 use semihosting::fs::File;
 use semihosting::io::{self, Read as _};
 use tetrad_core::config::TrackerConfig;
@@ -32,6 +33,7 @@ pub const NAME: &CStr = c"tetrad.tape";
 const MAGIC: &[u8; 8] = b"TETRADT1";
 const PICTURE: u32 = 1;
 const LINE: u32 = 2;
+const PAUSE: u32 = 3;
 
 /// What the head says.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,6 +118,7 @@ impl Tape {
         Ok(match kind {
             PICTURE => Record::Picture(Captured { length, width, height, format, capture_us, ready_us }),
             LINE => Record::Line(length),
+            PAUSE => Record::Pause(capture_us),
             _ => Record::Unknown,
         })
     }
@@ -134,6 +137,8 @@ pub enum Record {
     Picture(Captured),
     /// So many bytes of the serial line.
     Line(usize),
+    /// Nothing, for so many microseconds.
+    Pause(u64),
     /// There were more bytes than the buffer has room for.
     TooLong,
     /// Of another version of the format.
@@ -156,6 +161,7 @@ impl Sensor for Player {
                     let bytes = buffer.0.get(..length).unwrap_or_default();
                     self.listener.take(bytes, self.inputs).await;
                 }
+                Record::Pause(us) => Timer::after_micros(us).await,
                 Record::TooLong => return Err(NoPicture::Bad(BadPicture::Length)),
                 Record::Unknown => {}
             }
