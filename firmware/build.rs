@@ -26,8 +26,12 @@ fn main() -> io::Result<()> {
     } else {
         &[]
     };
+    let logs = env::var_os("CARGO_FEATURE_DEFMT").is_some();
     for program in programs {
         println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
+        if logs {
+            println!("cargo:rustc-link-arg-bin={program}=-Tdefmt.x");
+        }
     }
     Ok(())
 }

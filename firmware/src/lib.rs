@@ -16,6 +16,7 @@
 //! | packets to a line's bytes | `send` | no |
 //! | the same packets for two lines | `share` | no |
 //! | a line's bytes in the payloads of CAN FD | `can_fd` | no |
+//! | what the log says | `log` | no |
 //! | learning by a button | `teach` | no |
 //! | setting up the image sensor OV7725 | `ov7725` | no |
 //! | what is particular to a board | `board` | yes |
@@ -31,6 +32,7 @@ pub mod board;
 pub mod can_fd;
 pub mod capture;
 pub mod handover;
+mod log;
 pub mod ov7725;
 pub mod receive;
 pub mod send;

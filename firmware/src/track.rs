@@ -1,6 +1,7 @@
 //! Pictures and commands to packets.
 
 use crate::handover::{Buffers, Input, Inputs, Packets};
+use crate::log;
 use tetrad_core::node::Node;
 
 /// Does what comes, in the order in which it comes; ends behind the last picture of a recording.
@@ -28,6 +29,7 @@ pub async fn track(
                         good();
                         // (a loop over the vector itself has a panic path)
                         for notice in &seen.notices {
+                            log::notice(notice);
                             packets.send(Some((*notice).into())).await;
                         }
                         if let Some(mut observation) = seen.observation {
@@ -52,6 +54,7 @@ pub async fn track(
             }
         };
         if let Some(notice) = notice {
+            log::notice(&notice);
             packets.send(Some(notice.into())).await;
         }
     }

@@ -40,10 +40,12 @@ pub enum Build {
     CortexM4F,
     /// Both in the processor.
     CortexM7,
+    /// As the first, with a log.
+    Logging,
 }
 
 impl Build {
-    /// Both.
+    /// Both that are measured.
     pub const ALL: [Self; 2] = [Self::CortexM4F, Self::CortexM7];
 
     /// The path of a program.
@@ -54,6 +56,7 @@ impl Build {
         let folder = match self {
             Self::CortexM4F => "cortex-m4f",
             Self::CortexM7 => "cortex-m7",
+            Self::Logging => "logging",
         };
         Ok(programs()?.join(folder).join(name))
     }
@@ -78,6 +81,9 @@ impl Target {
     /// What is not built for the M7 on a board that has one.
     pub const FOREIGN: Self = Self { build: Build::CortexM4F, board: Board::An500 };
 
+    /// What logs.
+    pub const LOGGING: Self = Self { build: Build::Logging, board: Board::An386 };
+
     /// The bytes that the smart camera wrote to its serial line, and what it said on standard error.
     ///
     /// # Errors
@@ -87,6 +93,17 @@ impl Target {
         fs::write(folder.path().join("tetrad.tape"), tape.bytes())?;
         let said = self.run("mps2-camera", folder.path(), FAST)?;
         Ok((fs::read(folder.path().join("line"))?, said))
+    }
+
+    /// The bytes that the smart camera wrote to its serial line, and those of its log.
+    ///
+    /// # Errors
+    /// As [`Target::play`].
+    pub fn play_logging(self, tape: &Tape) -> io::Result<(Vec<u8>, Vec<u8>)> {
+        let folder = tempfile::tempdir()?;
+        fs::write(folder.path().join("tetrad.tape"), tape.bytes())?;
+        self.run("mps2-camera", folder.path(), FAST)?;
+        Ok((fs::read(folder.path().join("line"))?, fs::read(folder.path().join("log"))?))
     }
 
     /// Runs a program in a folder; what it said on both streams.
@@ -107,7 +124,9 @@ impl Target {
             "-icount",
             icount,
         ]);
-        qemu.args(["-semihosting-config", "enable=on,target=native", "-serial", "file:line", "-kernel"]);
+        qemu.args(["-semihosting-config", "enable=on,target=native"]);
+        // the serial line, one that is not used, and the log
+        qemu.args(["-serial", "file:line", "-serial", "null", "-serial", "file:log", "-kernel"]);
         qemu.arg(self.build.program(program)?).current_dir(folder);
         let mut child = qemu.stdin(Stdio::null()).stdout(said.try_clone()?).stderr(said).spawn()?;
         let started = Instant::now();

@@ -6,6 +6,7 @@
 //! | pictures and commands as the firmware reads them | `tape` |
 //! | what the desktop makes of a tape | `desktop` |
 //! | what a board makes of it | `board` |
+//! | what a board logs, with the feature `boards` | `log` |
 //! | how much memory a program takes | `elf` |
 //!
 //! The runs are in `tests/`, behind the feature `boards`: `cargo verify --only firmware-qemu` builds the
@@ -15,4 +16,6 @@ pub mod board;
 pub mod clip;
 pub mod desktop;
 pub mod elf;
+#[cfg(feature = "boards")]
+pub mod log;
 pub mod tape;

@@ -11,8 +11,8 @@ const LIMIT: Duration = Duration::from_secs(900);
 
 pub(super) const MANIFEST: &str = "firmware/Cargo.toml";
 
-/// Every board's feature.
-const BOARDS: [&str; 2] = ["mps2", "stm32h743"];
+/// Every board's features.
+const BOARDS: [&str; 3] = ["mps2", "mps2,defmt", "stm32h743"];
 
 /// What is built of the firmware, to be run or measured.
 struct Build {
@@ -23,18 +23,28 @@ struct Build {
     /// Where it is another level than that of firmware/Cargo.toml, which says for what.
     optimisation: Option<&'static str>,
     programs: &'static [&'static str],
+    /// Whether they log.
+    logs: bool,
 }
 
 /// The camera for each processor of QEMU's boards. What is built for the M4F runs on the M7 too, which
 /// computes in double precision besides; poses and the arm are for the M7 alone.
-const BUILDS: [Build; 3] = [
-    Build { folder: "cortex-m4f", processor: None, optimisation: None, programs: &CAMERA },
-    Build { folder: "cortex-m7", processor: Some("cortex-m7"), optimisation: None, programs: &CAMERA },
+const BUILDS: [Build; 4] = [
+    Build { folder: "cortex-m4f", processor: None, optimisation: None, programs: &CAMERA, logs: false },
+    Build { folder: "logging", processor: None, optimisation: None, programs: &["mps2-camera"], logs: true },
+    Build {
+        folder: "cortex-m7",
+        processor: Some("cortex-m7"),
+        optimisation: None,
+        programs: &CAMERA,
+        logs: false,
+    },
     Build {
         folder: "cortex-m7",
         processor: Some("cortex-m7"),
         optimisation: Some("3"),
         programs: &["mps2-hand"],
+        logs: false,
     },
 ];
 
@@ -45,6 +55,9 @@ impl Build {
         let base = ["build", "--locked", "--release", "--manifest-path", MANIFEST, "--features", "mps2"];
         let mut cargo = toolchain.cargo_for(context, &base, self.processor);
         cargo.args(self.programs.iter().flat_map(|name| ["--bin", name]));
+        if self.logs {
+            cargo.args(["--features", "defmt"]).env("DEFMT_LOG", "info");
+        }
         if let Some(level) = self.optimisation {
             cargo.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", level);
         }

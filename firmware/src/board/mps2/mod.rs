@@ -7,6 +7,7 @@
 //! | tasks, and sleep between them | `executor` |
 //! | embassy's clock on the two CMSDK timers | `time` |
 //! | the serial line | `uart` |
+//! | the log, with the feature `defmt` | `log` |
 //! | recorded pictures and commands, read by semihosting | `tape` |
 //! | what a piece of work costs | `cost` |
 //! | the end of a run when no picture was looked at for too long | `watchdog` |
@@ -16,6 +17,8 @@ pub mod cost;
 pub mod executor;
 mod fault;
 mod interrupts;
+#[cfg(feature = "defmt")]
+mod log;
 pub mod tape;
 pub mod time;
 pub mod uart;
@@ -47,6 +50,8 @@ impl Register {
 pub fn start() {
     time::start();
     uart::start();
+    #[cfg(feature = "defmt")]
+    log::start();
     interrupts::enable();
 }
 
