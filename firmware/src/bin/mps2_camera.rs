@@ -1,7 +1,8 @@
 //! The smart camera on the MPS2 boards.
 //!
 //! It plays the tape `tetrad.tape` of the folder that QEMU runs in, writes packets to the serial line and
-//! ends QEMU behind the last. Serial 0 is the line. Exit codes: 0 played, 2 no tape, 101 a panic, 102 a
+//! ends QEMU behind the last. A live tape waits for what the line asks for, and QEMU is ended from outside.
+//! Serial 0 is the line. Exit codes: 0 played, 2 no tape, 101 a panic, 102 a
 //! fault, 103 no picture that could be looked at for too long; where is said on standard error.
 #![no_std]
 #![no_main]
@@ -11,7 +12,7 @@ use semihosting::{eprintln, process};
 use static_cell::{ConstStaticCell, StaticCell};
 use tetrad_core::config::LearnConfig;
 use tetrad_core::node::{Node, NodeConfig};
-use tetrad_firmware::board::mps2::tape::{Player, Tape};
+use tetrad_firmware::board::mps2::tape::{Asked, Player, Tape};
 use tetrad_firmware::board::mps2::watchdog::Watchdog;
 use tetrad_firmware::board::mps2::{self, executor, uart};
 use tetrad_firmware::handover::{BUFFERS, Buffers, Inputs, Packets, PictureBuffer};
@@ -25,6 +26,7 @@ const NO_TAPE: i32 = 2;
 static BUFFERS_FREE: Buffers = Buffers::new();
 static INPUTS: Inputs = Inputs::new();
 static PACKETS: Packets = Packets::new();
+static ASKED: Asked = Asked::new();
 
 #[embassy_executor::task]
 async fn capture_task(player: Player) {
@@ -33,7 +35,7 @@ async fn capture_task(player: Player) {
 
 #[embassy_executor::task]
 async fn receive_task() {
-    receive::receive(uart::Receiver, &INPUTS).await;
+    receive::receive_telling(uart::Receiver, &INPUTS, |command| ASKED.hear(command)).await;
 }
 
 #[embassy_executor::task]
@@ -58,15 +60,17 @@ fn spawn(spawner: Spawner, tape: Tape) {
     static NODE: StaticCell<Node> = StaticCell::new();
     let head = tape.head();
     let (camera, tracker, learn) = (head.camera, head.tracker, LearnConfig::default());
+    // whoever is at a live line may take any time
+    let watchdog = if head.live { Watchdog::idle() } else { Watchdog::start() };
     let config = NodeConfig { camera, session: SESSION, tracker, learn, started: false };
     let node = NODE.init(Node::new(&config).expect("the settings are core's own"));
     for buffer in PICTURES.take() {
         assert!(BUFFERS_FREE.try_send(buffer).is_ok(), "there is room for each");
     }
     let once = "each task is started once";
-    spawner.spawn(capture_task(tape.play(&INPUTS)).expect(once));
+    spawner.spawn(capture_task(tape.play(&INPUTS, &ASKED)).expect(once));
     spawner.spawn(receive_task().expect(once));
-    spawner.spawn(track_task(node, Watchdog::start()).expect(once));
+    spawner.spawn(track_task(node, watchdog).expect(once));
     spawner.spawn(send_task().expect(once));
 }
 

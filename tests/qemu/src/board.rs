@@ -112,23 +112,8 @@ impl Target {
     /// As [`Target::play`].
     pub fn run(self, program: &str, folder: &Path, icount: &str) -> io::Result<String> {
         let said_path = folder.join("said");
-        let said = fs::File::create(&said_path)?;
-        let mut qemu = Command::new("qemu-system-arm");
-        qemu.args([
-            "-machine",
-            self.board.machine(),
-            "-display",
-            "none",
-            "-monitor",
-            "none",
-            "-icount",
-            icount,
-        ]);
-        qemu.args(["-semihosting-config", "enable=on,target=native"]);
-        // the serial line, one that is not used, and the log
-        qemu.args(["-serial", "file:line", "-serial", "null", "-serial", "file:log", "-kernel"]);
-        qemu.arg(self.build.program(program)?).current_dir(folder);
-        let mut child = qemu.stdin(Stdio::null()).stdout(said.try_clone()?).stderr(said).spawn()?;
+        let mut qemu = self.qemu(program, folder, icount, "file:line")?;
+        let mut child = qemu.spawn()?;
         let started = Instant::now();
         let status = loop {
             if let Some(status) = child.try_wait()? {
@@ -147,6 +132,34 @@ impl Target {
         } else {
             Err(io::Error::other(format!("{program}: {status}\n{said}")))
         }
+    }
+
+    /// QEMU with a program, in a folder whose file `said` gets what it says; `serial` is its serial line.
+    pub(crate) fn qemu(
+        self,
+        program: &str,
+        folder: &Path,
+        icount: &str,
+        serial: &str,
+    ) -> io::Result<Command> {
+        let said = fs::File::create(folder.join("said"))?;
+        let mut qemu = Command::new("qemu-system-arm");
+        qemu.args([
+            "-machine",
+            self.board.machine(),
+            "-display",
+            "none",
+            "-monitor",
+            "none",
+            "-icount",
+            icount,
+        ]);
+        qemu.args(["-semihosting-config", "enable=on,target=native"]);
+        // the serial line, one that is not used, and the log
+        qemu.args(["-serial", serial, "-serial", "null", "-serial", "file:log", "-kernel"]);
+        qemu.arg(self.build.program(program)?).current_dir(folder);
+        qemu.stdin(Stdio::null()).stdout(said.try_clone()?).stderr(said);
+        Ok(qemu)
     }
 }
 

@@ -10,29 +10,44 @@ use tetrad_core::wire::{Decoder, MAX_FRAME_LEN, Packet, encode};
 /// The session of what is played from a tape.
 const SESSION: u32 = 1;
 
-/// The serial line's bytes.
-///
-/// # Panics
-/// When core's own settings are refused.
-#[must_use]
-pub fn line(tape: &Tape) -> Vec<u8> {
-    let (tracker, learn) = (tape.mode.tracker(), LearnConfig::default());
-    let config = NodeConfig { camera: 0, session: SESSION, tracker, learn, started: false };
-    let mut node = Node::new(&config).expect("core's own settings");
-    let mut decoder = Decoder::new();
-    let mut line = vec![0];
-    let mut send = |packet: Packet| {
-        let mut frame = [0; MAX_FRAME_LEN];
-        let length = encode(&packet, &mut frame).expect("packets of a camera are finite");
-        line.extend(&frame[..length]);
-    };
-    for event in &tape.events {
+/// A smart camera on the desktop, and all that it has put on its line.
+#[derive(Debug)]
+pub struct Camera {
+    node: Node,
+    decoder: Decoder,
+    size: (u16, u16),
+    line: Vec<u8>,
+}
+
+impl Camera {
+    /// The camera that a tape is made for.
+    ///
+    /// # Panics
+    /// When core's own settings are refused.
+    #[must_use]
+    pub fn of(tape: &Tape) -> Self {
+        let (tracker, learn) = (tape.mode.tracker(), LearnConfig::default());
+        let config = NodeConfig { camera: 0, session: SESSION, tracker, learn, started: false };
+        let node = Node::new(&config).expect("core's own settings");
+        Self { node, decoder: Decoder::new(), size: tape.size, line: vec![0] }
+    }
+
+    /// Takes what comes next.
+    ///
+    /// # Panics
+    /// When it says something that is not finite.
+    pub fn take(&mut self, event: &Event) {
+        let mut send = |packet: Packet| {
+            let mut frame = [0; MAX_FRAME_LEN];
+            let length = encode(&packet, &mut frame).expect("packets of a camera are finite");
+            self.line.extend(&frame[..length]);
+        };
         match event {
             Event::Line(bytes) => {
-                for received in decoder.packets(bytes) {
+                for received in self.decoder.packets(bytes) {
                     let notice = match received {
-                        Ok(Packet::Command(command)) => node.command(&command),
-                        _ => Some(node.not_understood()),
+                        Ok(Packet::Command(command)) => self.node.command(&command),
+                        _ => Some(self.node.not_understood()),
                     };
                     notice.into_iter().for_each(|notice| send(notice.into()));
                 }
@@ -40,18 +55,34 @@ pub fn line(tape: &Tape) -> Vec<u8> {
             // the desktop has no watchdog to wait for
             Event::Pause(_) => {}
             Event::Picture(capture_us, bytes) => {
-                match FrameView::packed(bytes, tape.size.0, tape.size.1, FORMAT) {
+                match FrameView::packed(bytes, self.size.0, self.size.1, FORMAT) {
                     Ok(view) => {
-                        let seen = node.picture(&view, *capture_us, 0);
+                        let seen = self.node.picture(&view, *capture_us, 0);
                         seen.notices.into_iter().for_each(|notice| send(notice.into()));
                         seen.observation.into_iter().for_each(|packet| send(packet.into()));
                     }
-                    Err(error) => send(node.refuse(error.into()).into()),
+                    Err(error) => send(self.node.refuse(error.into()).into()),
                 }
             }
         }
     }
-    line
+
+    /// The line's bytes so far.
+    #[must_use]
+    pub fn line(&self) -> &[u8] {
+        &self.line
+    }
+}
+
+/// The serial line's bytes.
+///
+/// # Panics
+/// As [`Camera`].
+#[must_use]
+pub fn line(tape: &Tape) -> Vec<u8> {
+    let mut camera = Camera::of(tape);
+    tape.events.iter().for_each(|event| camera.take(event));
+    camera.line
 }
 
 /// The packets of a line's bytes.

@@ -6,6 +6,8 @@
 //! | pictures and commands as the firmware reads them | `tape` |
 //! | what the desktop makes of a tape | `desktop` |
 //! | what a board makes of it | `board` |
+//! | a board whose serial line somebody is at | `live` |
+//! | what a line carries beside good commands | `garbage` |
 //! | what a board logs, with the feature `boards` | `log` |
 //! | how much memory a program takes | `elf` |
 //!
@@ -16,6 +18,8 @@ pub mod board;
 pub mod clip;
 pub mod desktop;
 pub mod elf;
+pub mod garbage;
+pub mod live;
 #[cfg(feature = "boards")]
 pub mod log;
 pub mod tape;

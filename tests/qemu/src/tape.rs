@@ -28,6 +28,21 @@ impl Mode {
     }
 }
 
+/// Where the head says whether a tape is live.
+const LIVE_AT: usize = 15;
+
+/// The frame of a command of the one host that there is.
+///
+/// # Panics
+/// When a number in it is not finite.
+#[must_use]
+pub fn command_frame(sequence: u32, command: Command) -> Vec<u8> {
+    let packet = CommandPacket { session: 9, sequence, command };
+    let mut frame = [0; MAX_FRAME_LEN];
+    let length = encode(&packet.into(), &mut frame).expect("a command of numbers");
+    frame[..length].to_vec()
+}
+
 /// Something that comes to the camera.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
@@ -59,12 +74,7 @@ impl Tape {
     pub fn of(sequence: &Sequence) -> Self {
         let clip = Clip::named(sequence.scene).unwrap_or_else(|| panic!("no scene {}", sequence.scene));
         let mut commands = 0..;
-        let mut told = |command| {
-            let packet = CommandPacket { session: 9, sequence: commands.next().unwrap_or(0), command };
-            let mut frame = [0; MAX_FRAME_LEN];
-            let length = encode(&packet.into(), &mut frame).expect("a command of numbers");
-            Event::Line(frame[..length].to_vec())
-        };
+        let mut told = |command| Event::Line(command_frame(commands.next().unwrap_or(0), command));
         let mut events: Vec<Event> =
             clip.places(0).into_iter().map(|(ball, at)| told(Command::Learn { ball, at })).collect();
         events.push(told(Command::Start));
@@ -78,6 +88,27 @@ impl Tape {
         // nothing comes of it: the camera was stopped
         events.push(Event::Picture(clip.time_us(0), clip.picture(0)));
         Self { size: clip.size(), mode: Mode::Refined, events }
+    }
+
+    /// The pictures of a sequence and nothing else: what a live tape has, whose commands come over the line.
+    ///
+    /// # Panics
+    /// When there is no such scene.
+    #[must_use]
+    pub fn of_pictures(sequence: &Sequence) -> Self {
+        let mut tape = Self::of(sequence);
+        // the last is there to show that a stopped camera says nothing
+        tape.events.pop();
+        tape.events.retain(|event| matches!(event, Event::Picture(..)));
+        tape
+    }
+
+    /// The bytes of a tape that waits for what the line asks for: firmware/src/board/mps2/tape.rs says how.
+    #[must_use]
+    pub fn live_bytes(&self) -> Vec<u8> {
+        let mut bytes = self.bytes();
+        bytes[LIVE_AT] = 1;
+        bytes
     }
 
     /// The file's bytes.

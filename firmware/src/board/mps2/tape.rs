@@ -10,7 +10,7 @@
 //! | 1 | their format: its place in `PixelFormat::ALL` |
 //! | 1 | mode: 0 paper, 1 refined |
 //! | 1 | the camera's number |
-//! | 1 | 0 |
+//! | 1 | 0 played at once, to the end of the run; 1 live: see [`Asked`] |
 //!
 //! and then records: 4 bytes kind (1 a picture, 2 bytes of the serial line, 3 a pause), 4 bytes length, 8
 //! bytes capture time (or how long the pause is) and 4 bytes until it was ready, microseconds (0 for bytes of
@@ -19,13 +19,17 @@
 use crate::capture::{NoPicture, Sensor};
 use crate::handover::{Captured, Inputs, PictureBuffer};
 use crate::receive::Listener;
+use core::cell::Cell;
 use core::ffi::CStr;
+use embassy_sync::blocking_mutex::Mutex;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::signal::Signal;
 use embassy_time::Timer;
 use semihosting::fs::File;
 use semihosting::io::{self, Read as _};
 use tetrad_core::config::TrackerConfig;
 use tetrad_core::vision::frame::PixelFormat;
-use tetrad_core::wire::BadPicture;
+use tetrad_core::wire::{BadPicture, Command, CommandPacket};
 
 /// The file, in the folder that QEMU runs in.
 pub const NAME: &CStr = c"tetrad.tape";
@@ -48,6 +52,79 @@ pub struct Head {
     pub tracker: TrackerConfig,
     /// The camera's place in the list of views.
     pub camera: u8,
+    /// Whether the serial line decides when it is played.
+    pub live: bool,
+}
+
+/// What the serial line asks of a live tape: each learning a look at the first picture, the first start the
+/// whole tape from there on. A picture is shown behind the command that asked for it, so that a run comes out
+/// the same however fast the line is; and the line stays open behind the last.
+pub struct Asked {
+    so_far: Mutex<CriticalSectionRawMutex, Cell<SoFar>>,
+    more: Signal<CriticalSectionRawMutex, ()>,
+}
+
+/// What was asked for so far.
+#[derive(Clone, Copy, Default)]
+struct SoFar {
+    /// Its session and number: the same again asks for nothing.
+    newest: Option<(u32, u32)>,
+    /// Looks at the first picture that are still to come.
+    looks: u32,
+    started: bool,
+}
+
+impl Asked {
+    /// Nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        let nothing = SoFar { newest: None, looks: 0, started: false };
+        Self { so_far: Mutex::new(Cell::new(nothing)), more: Signal::new() }
+    }
+
+    /// A command is on its way to the tracker.
+    pub fn hear(&self, packet: &CommandPacket) {
+        let name = Some((packet.session, packet.sequence));
+        self.so_far.lock(|cell| {
+            let mut so_far = cell.get();
+            if so_far.newest == name {
+                return;
+            }
+            so_far.newest = name;
+            match packet.command {
+                Command::Learn { .. } => so_far.looks = so_far.looks.wrapping_add(1),
+                Command::Start => so_far.started = true,
+                _ => {}
+            }
+            cell.set(so_far);
+        });
+        self.more.signal(());
+    }
+
+    /// Waits for a look that is asked for, until the tape is to be played.
+    async fn look(&self) -> bool {
+        loop {
+            let so_far = self.so_far.lock(|cell| {
+                let so_far = cell.get();
+                cell.set(SoFar { looks: so_far.looks.saturating_sub(1), ..so_far });
+                so_far
+            });
+            // the answers to these come with the looks: they were asked for before the start
+            if so_far.looks > 0 {
+                return true;
+            }
+            if so_far.started {
+                return false;
+            }
+            self.more.wait().await;
+        }
+    }
+}
+
+impl Default for Asked {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 /// A tape, at its first record.
@@ -63,7 +140,7 @@ impl Tape {
         let mut file = File::open(NAME).ok()?;
         let mut bytes = [0; 16];
         file.read_exact(&mut bytes).ok()?;
-        let [m0, m1, m2, m3, m4, m5, m6, m7, w0, w1, h0, h1, format, mode, camera, _] = bytes;
+        let [m0, m1, m2, m3, m4, m5, m6, m7, w0, w1, h0, h1, format, mode, camera, live] = bytes;
         if [m0, m1, m2, m3, m4, m5, m6, m7] != *MAGIC {
             return None;
         }
@@ -73,6 +150,7 @@ impl Tape {
             format: *PixelFormat::ALL.get(usize::from(format))?,
             tracker: if mode == 0 { TrackerConfig::paper() } else { TrackerConfig::default() },
             camera,
+            live: live == 1,
         };
         Some(Self { file, head })
     }
@@ -83,10 +161,12 @@ impl Tape {
         &self.head
     }
 
-    /// Plays it: its pictures are the sensor's, its bytes the serial line's.
+    /// Plays it: its pictures are the sensor's, its bytes the serial line's. What a live one waits for comes
+    /// through `asked`.
     #[must_use]
-    pub fn play(self, inputs: &'static Inputs) -> Player {
-        Player { tape: self, listener: Listener::default(), inputs }
+    pub fn play(self, inputs: &'static Inputs, asked: &'static Asked) -> Player {
+        let waits = self.head.live;
+        Player { tape: self, listener: Listener::default(), inputs, asked, waits }
     }
 
     /// Reads over a record's bytes.
@@ -150,21 +230,43 @@ pub struct Player {
     tape: Tape,
     listener: Listener,
     inputs: &'static Inputs,
+    asked: &'static Asked,
+    /// It is live, and was not started.
+    waits: bool,
 }
 
-impl Sensor for Player {
-    async fn capture(&mut self, buffer: &mut PictureBuffer) -> Result<Captured, NoPicture> {
+impl Player {
+    /// The next picture of the tape.
+    async fn next(&mut self, buffer: &mut PictureBuffer) -> Result<Captured, NoPicture> {
         loop {
             match self.tape.next(buffer).map_err(|_| NoPicture::End)? {
                 Record::Picture(captured) => return Ok(captured),
                 Record::Line(length) => {
                     let bytes = buffer.0.get(..length).unwrap_or_default();
-                    self.listener.take(bytes, self.inputs).await;
+                    self.listener.take(bytes, self.inputs, |_| {}).await;
                 }
                 Record::Pause(us) => Timer::after_micros(us).await,
                 Record::TooLong => return Err(NoPicture::Bad(BadPicture::Length)),
                 Record::Unknown => {}
             }
+        }
+    }
+}
+
+impl Sensor for Player {
+    async fn capture(&mut self, buffer: &mut PictureBuffer) -> Result<Captured, NoPicture> {
+        if self.waits {
+            self.waits = self.asked.look().await;
+            if self.waits {
+                // from its beginning, each time
+                let first = self.next(buffer).await;
+                self.tape = Tape::open().ok_or(NoPicture::End)?;
+                return first;
+            }
+        }
+        match self.next(buffer).await {
+            Err(NoPicture::End) if self.tape.head.live => core::future::pending().await,
+            shown => shown,
         }
     }
 }
