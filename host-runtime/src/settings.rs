@@ -15,6 +15,7 @@ use tetrad_core::config::{FilterConfig, MAX_ARM_M, MIN_ARM_M};
 
 pub mod arm;
 mod file;
+pub mod smart_camera;
 pub mod station;
 
 mod filter;
@@ -59,7 +60,8 @@ impl Mode {
 #[derive(Args, Clone, Debug)]
 #[command(group(ArgGroup::new("taught").required(true).args(["colours_left", "scene"])))]
 pub struct InputArgs {
-    /// The left (or only) camera: /dev/videoN, a folder of numbered frames, a .y4m or .mcap file or sim:NAME
+    /// The left (or only) camera: /dev/videoN, a folder of numbered frames, a .y4m or .mcap file or sim:NAME;
+    /// for `track` also node:serial:DEVICE, a smart camera alone
     #[arg(long, value_name = "SRC")]
     pub left: String,
     /// The right camera; without it one camera is tracked and there is no pose

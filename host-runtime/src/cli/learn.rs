@@ -1,5 +1,7 @@
 //! `tetrad learn`: teach the balls' colours, by pointing at them or by confirming a proposal.
 
+mod node;
+
 use super::same_file::{self, Input};
 use super::{make_dir, note, say};
 use crate::balls::ball_by_name;
@@ -8,6 +10,7 @@ use crate::exit::{Exit, Failure, OrExit as _};
 use crate::learning::{self, Taught};
 use crate::output::ScanCsv;
 use crate::scene_file::Seeds;
+use crate::settings::smart_camera::SerialPlace;
 use crate::source::{self, Frame, Options, Source, View};
 use anyhow::Context as _;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -40,7 +43,8 @@ Examples:
 #[derive(Args, Clone, Debug)]
 #[command(group(ArgGroup::new("how").required(true).args(["at", "find"])))]
 pub(super) struct LearnArgs {
-    /// The camera: /dev/videoN, a folder of numbered frames, a .y4m file or sim:NAME
+    /// The camera: /dev/videoN, a folder of numbered frames, a .y4m file or sim:NAME; with --at also
+    /// node:serial:DEVICE, a smart camera
     #[arg(long, value_name = "SRC")]
     source: String,
     /// With sim:NAME: which of its cameras --source is
@@ -114,7 +118,14 @@ impl FromStr for At {
 /// Runs `tetrad learn`.
 pub(super) fn run(args: &LearnArgs) -> Result<(), Failure> {
     refuse_own_source(args)?;
-    if args.find { find(args) } else { point(args) }
+    match SerialPlace::of(&args.source) {
+        _ if args.find => find(args),
+        Some(place) => {
+            let wrong = |problem| Failure::bad_arguments(format!("--source {}: {problem}", args.source));
+            node::point(args, &place.map_err(wrong)?)
+        }
+        None => point(args),
+    }
 }
 
 /// What is learnt goes to files of its own.
@@ -238,12 +249,16 @@ impl<'a> Camera<'a> {
     fn save(&self, frame: u64, taught: &Taught) -> Result<(), Failure> {
         let balls = taught.map(|learnt| learnt.as_ref().map(learning::as_colours));
         let origin = Some(Origin { source: self.source.info().name.clone(), frame });
-        std::fs::write(self.out, Colours { balls, origin }.to_toml())
-            .with_context(|| format!("cannot write {}", self.out.display()))
-            .or_exit(Exit::Failed)?;
-        say(format_args!("colours written to {}", self.out.display()));
-        Ok(())
+        write(self.out, &Colours { balls, origin })
     }
+}
+
+fn write(out: &Path, colours: &Colours) -> Result<(), Failure> {
+    std::fs::write(out, colours.to_toml())
+        .with_context(|| format!("cannot write {}", out.display()))
+        .or_exit(Exit::Failed)?;
+    say(format_args!("colours written to {}", out.display()));
+    Ok(())
 }
 
 fn seeds(at: &[At]) -> Result<Seeds, Failure> {

@@ -1,5 +1,7 @@
 //! `tetrad track`: footage or live cameras in, CSV files out.
 
+mod node;
+
 use super::interrupt::Interrupt;
 use super::same_file::{self, Input};
 use super::{make_results_dir, note, progress, say};
@@ -27,6 +29,8 @@ Examples:
                  --colours-right right.toml --arm-mm 80 --out run1
   Footage with the places of the balls in the first frame:
     tetrad track --left clip/left --right clip/right --scene clip/scene.json --out run1
+  A smart camera on a serial port, which learns the balls where the scene says they are:
+    tetrad track --left node:serial:/dev/ttyACM0 --scene scene.json --out run1
   Two of the balls in one camera:
     tetrad track --left toss.y4m --colours-left toss.toml --balls red,yellow --out run1
 
@@ -40,24 +44,40 @@ pub(super) fn run(args: TrackArgs) -> Result<(), Failure> {
         same_file::refuse("--packets", packets, inputs(&args.input))?;
     }
     let settings = TrackSettings::new(args)?;
+    if let Some(place) = node::place(&settings.input)? {
+        return node::run(&settings, &place);
+    }
     let mut streams = open(&settings.input, None)?;
     make_results_dir(&settings.out)?;
-    if !settings.input.has_pose() {
-        let reason =
-            if settings.input.cameras.len() < 2 { "one camera" } else { "no rigid frame of four balls" };
-        note(format_args!("{reason}: pose.csv, filtered.csv and motion.csv get no rows"));
-    }
+    note_without_pose(&settings.input);
     let interrupt = Interrupt::listen()?;
     let mut session = None;
     let outcome = track(&settings, &mut streams, &mut session, &interrupt);
-    let Some(Session { recorder, .. }) = session else { return outcome.map(drop) };
+    finish(&settings, session.map(|session| session.recorder), outcome.map(drop))
+}
+
+/// Which files stay empty, and why.
+fn note_without_pose(settings: &InputSettings) {
+    if !settings.has_pose() {
+        let reason = if settings.cameras.len() < 2 { "one camera" } else { "no rigid frame of four balls" };
+        note(format_args!("{reason}: pose.csv, filtered.csv and motion.csv get no rows"));
+    }
+}
+
+/// Writes the summary of what was begun, and prints it where the run ended well.
+fn finish(
+    settings: &TrackSettings,
+    begun: Option<Recorder>,
+    outcome: Result<(), Failure>,
+) -> Result<(), Failure> {
+    let Some(recorder) = begun else { return outcome };
     let stopped_by = outcome.as_ref().err().map(|failure| format!("{:#}", failure.cause));
     let written = recorder.finish(stopped_by).or_exit(Exit::Failed);
     outcome?;
     // standard output may be the packets'
     let to_packets = settings.packets.as_deref().is_some_and(is_standard_output);
     let print: fn(std::fmt::Arguments<'_>) = if to_packets { |line| note(line) } else { |line| say(line) };
-    report(&written?, &settings, print);
+    report(&written?, settings, print);
     Ok(())
 }
 

@@ -50,7 +50,7 @@ impl Spec {
         if spec.starts_with("node:") {
             return Err(SourceError::argument(
                 spec,
-                "another station tracks by itself and sends no pictures to be tracked: name it under [[operator.camera]] in a tetrad.toml, and here give a camera, a folder, a .y4m or .mcap file or sim:NAME",
+                "what tracks by itself sends no pictures: name it under [[operator.camera]] in a tetrad.toml, and here give a camera, a folder, a .y4m or .mcap file or sim:NAME. `tetrad track --left node:serial:DEVICE`, without --right, takes a smart camera alone",
             ));
         }
         let path = Path::new(spec);

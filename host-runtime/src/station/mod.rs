@@ -4,6 +4,7 @@
 //! camera:    source --> CameraStation --observation packet--> (link, or CameraThread in the same process)
 //!                           +-- Preview --picture--> (link)
 //! smart camera:  serial port --> SerialNode --observation packet-->
+//!                serial port <--> SmartCamera, which has it for itself: commands, observations
 //! operator:  cameras' observations --> Operator (Pairing, HandStage) --motion, buttons--> the link
 //! track:     pipeline --Step--> MotionSender --motion packet--> pipe, file
 //! slave:     packets, hold-to-run --> SlaveStation --set-point--> robot port
@@ -46,7 +47,7 @@ pub use following::{Closeness, Following, Truth};
 pub(crate) use jpeg::{encode_jpeg, jpeg};
 pub use linked_slave::{LinkedSlave, NoReset};
 pub use motion::MotionSender;
-pub use node::{NodeCounts, SerialNode};
+pub use node::{NodeCounts, SerialNode, SmartCamera, SmartCameraError};
 pub use operator::Operator;
 pub use overseer::{Overseen, Overseer, SlaveTrouble};
 pub use picture_age::{STALE_US, is_stale, picture_age_us};

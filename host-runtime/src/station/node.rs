@@ -2,15 +2,25 @@
 //!
 //! ```text
 //! serial port --bytes--> wire::Decoder --packets--> Receiver --newest--> the operator's loop
-//!    ^ opened again where it went away
+//!    ^ opened again where it went away; told to start wherever nothing comes
 //! ```
 //!
 //! To the operator it is a camera station: its observations come with the times of the station's own
-//! clock. Nothing is sent to it; how late the packets are is told by the quickest of them.
+//! clock, and how late the packets are is told by the quickest of them.
+//!
+//! A program that has such a camera for itself tells it what to do:
+//!
+//! ```text
+//! command --Commander--> serial port --> answers, observations --SmartCamera--> one after the other
+//! ```
 
+mod commander;
 mod receiver;
+mod smart_camera;
 
+pub use commander::{Commander, Unanswered};
 pub use receiver::{Line, NodeCounts, Receiver};
+pub use smart_camera::{Seen, SmartCamera, SmartCameraError};
 
 use super::back_off::BackOff;
 use super::newest::Newest;
@@ -23,10 +33,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use tetrad_core::wire::ObservationPacket;
+use tetrad_core::wire::{Command, ObservationPacket};
 
 /// How long a read waits: until then nobody hears of the program's end.
 const PATIENCE: Duration = Duration::from_millis(50);
+
+/// A camera that sends nothing for so long is told to start, microseconds: it was just switched on, or stopped.
+const SILENCE_US: u64 = 1_000_000;
 
 /// Bytes read at a time: more than a whole packet.
 const CHUNK: usize = 512;
@@ -45,7 +58,8 @@ struct Shared {
 
 impl SerialNode {
     /// Listens at `device` from now on. That nothing is there is no error: it is opened as soon as
-    /// there is. `ring` wakes the operator's loop whenever there are new observations.
+    /// there is. `session` is the program's own, and `ring` wakes the operator's loop whenever there are
+    /// new observations.
     ///
     /// # Errors
     /// The system has no thread left.
@@ -53,6 +67,7 @@ impl SerialNode {
         device: &Path,
         baud: u32,
         clock: Clock,
+        session: u32,
         ring: impl Fn() + Send + 'static,
     ) -> io::Result<Self> {
         let shared = Arc::new(Shared {
@@ -66,6 +81,8 @@ impl SerialNode {
             clock,
             shared: Arc::clone(&shared),
             receiver: Receiver::default(),
+            commander: Commander::new(session),
+            told_us: None,
             back_off: BackOff::default(),
             told: String::new(),
         };
@@ -109,6 +126,9 @@ struct Listener {
     clock: Clock,
     shared: Arc<Shared>,
     receiver: Receiver,
+    commander: Commander,
+    /// When it was told to start, last.
+    told_us: Option<u64>,
     back_off: BackOff,
     /// Why the port is not open, as it was told.
     told: String,
@@ -121,7 +141,7 @@ impl Listener {
                 std::thread::sleep(wait);
                 continue;
             }
-            let lost = match self.open() {
+            let lost = match open(&self.device, self.baud) {
                 Ok(port) => {
                     self.tell("the port is open: it is listened to".to_owned());
                     self.told.clear();
@@ -141,16 +161,6 @@ impl Listener {
         }
     }
 
-    fn open(&self) -> Result<Box<dyn SerialPort>, serialport::Error> {
-        serialport::new(self.device.to_string_lossy(), self.baud)
-            .data_bits(DataBits::Eight)
-            .parity(Parity::None)
-            .stop_bits(StopBits::One)
-            .flow_control(FlowControl::None)
-            .timeout(PATIENCE)
-            .open()
-    }
-
     /// Reads until the end of the program, or of the port.
     fn read(&mut self, mut port: Box<dyn SerialPort>, ring: &dyn Fn()) -> io::Result<()> {
         let line = Line::of(&self.device, self.baud);
@@ -158,7 +168,9 @@ impl Listener {
         port.clear(ClearBuffer::Input)?;
         self.receiver.open();
         let mut bytes = [0; CHUNK];
+        let mut heard_us = None;
         while !self.shared.stop.load(Ordering::Relaxed) {
+            self.start_what_is_silent(&mut *port, heard_us)?;
             let count = match port.read(&mut bytes) {
                 Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
                 Ok(count) => count,
@@ -173,7 +185,11 @@ impl Listener {
             if let Some(notice) = self.receiver.take_notice() {
                 self.tell(notice);
             }
+            if let Some(answer) = self.receiver.take_answer() {
+                self.commander.heard(&answer);
+            }
             if let Some(came) = came {
+                heard_us = Some(now_us);
                 self.shared.newest.put(came);
                 ring();
             }
@@ -181,9 +197,41 @@ impl Listener {
         Ok(())
     }
 
+    /// Tells a camera to start that has sent no observations since the port was opened, or for a while.
+    fn start_what_is_silent(&mut self, port: &mut dyn SerialPort, heard_us: Option<u64>) -> io::Result<()> {
+        let now_us = self.clock.now_us();
+        if heard_us.is_some_and(|heard_us| now_us.saturating_sub(heard_us) < SILENCE_US) {
+            return Ok(());
+        }
+        let just_told = self.told_us.is_some_and(|told_us| now_us.saturating_sub(told_us) < SILENCE_US);
+        if self.commander.is_idle() && !just_told {
+            self.commander.tell(Command::Start);
+            self.told_us = Some(now_us);
+        }
+        // one that does not answer may still send, and is listened to
+        match self.commander.due(now_us).unwrap_or_default().map(|frame| port.write_all(&frame)) {
+            // it takes nothing just now: it is told again
+            Some(Err(error)) if !matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::WouldBlock) => {
+                Err(error)
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn tell(&self, what: String) {
         self.shared.newest.tell([format!("node:serial:{}: {what}", self.device.display())]);
     }
+}
+
+/// The port, for one program alone.
+fn open(device: &Path, baud: u32) -> Result<Box<dyn SerialPort>, serialport::Error> {
+    serialport::new(device.to_string_lossy(), baud)
+        .data_bits(DataBits::Eight)
+        .parity(Parity::None)
+        .stop_bits(StopBits::One)
+        .flow_control(FlowControl::None)
+        .timeout(PATIENCE)
+        .open()
 }
 
 #[cfg(all(test, unix))]

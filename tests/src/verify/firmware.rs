@@ -1,7 +1,7 @@
 //! The firmware: built for its target, and run on QEMU's boards.
 
 use super::target::{TRIPLE, Toolchain};
-use super::{Context, Outcome, Run, packages, suite};
+use super::{Context, Outcome, Run, packages, program, suite};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
@@ -114,8 +114,13 @@ pub(super) fn qemu(context: &Context) -> Outcome {
             return built.outcome();
         }
     }
+    // it tracks through a board
+    let program = match program::build(context) {
+        Ok(program) => program,
+        Err(failure) => return failure,
+    };
     let programs = programs(context);
-    let Some(folder) = programs.to_str() else {
+    let (Some(folder), Some(program)) = (programs.to_str(), program.to_str()) else {
         return Outcome::fail(format!("{}: the path has to be UTF-8", programs.display()));
     };
     let arguments =
@@ -123,7 +128,11 @@ pub(super) fn qemu(context: &Context) -> Outcome {
     let figures = context.log_path(&context.check).with_extension("figures");
     // Left over from the last run; that it is not there is the usual case.
     let _ = fs::remove_file(&figures);
-    let told = [("TETRAD_FIRMWARE", folder), ("TETRAD_FIGURES", figures.to_str().unwrap_or_default())];
+    let told = [
+        ("TETRAD_FIRMWARE", folder),
+        ("TETRAD_PROGRAM", program),
+        ("TETRAD_FIGURES", figures.to_str().unwrap_or_default()),
+    ];
     let outcome = suite::cargo_test_with(context, &arguments, &told);
     if outcome.failed > 0 {
         return outcome;

@@ -114,7 +114,7 @@ fn read(context: &Context, file: &str) -> Result<String, String> {
     fs::read_to_string(context.repository.join(file)).map_err(|error| format!("{file}: {error}"))
 }
 
-fn build(context: &Context) -> Result<PathBuf, Outcome> {
+pub(super) fn build(context: &Context) -> Result<PathBuf, Outcome> {
     let mut cargo = context.cargo(["build", "--locked", "--release", "--package", "tetrad"]);
     let run = context.run(&mut cargo, BUILD_LIMIT);
     if run.ok { Ok(context.target.join("release/tetrad")) } else { Err(run.outcome()) }

@@ -71,7 +71,7 @@ impl Cameras {
                     )
                 }
                 HandCamera::Serial { device, baud } => {
-                    let node = SerialNode::start(device, *baud, clock.clone(), ring);
+                    let node = SerialNode::start(device, *baud, clock.clone(), session, ring);
                     Place::Serial(node.context("a camera's thread cannot be started").or_exit(Exit::Failed)?)
                 }
                 HandCamera::Local(local) => {

@@ -3,18 +3,15 @@
 use super::camera::{CameraToml, LocalCamera};
 use super::within;
 use crate::link::StationName;
-use crate::robot::query::Query;
 use crate::settings::FOCAL_PX;
 use crate::settings::file::Problem;
+use crate::settings::smart_camera::SerialPlace;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use tetrad_core::config::{FilterConfig, MAX_ARM_M, MAX_LEAD_US, MIN_ARM_M, Prediction, Smoothing};
 
 /// Cameras of one hand: as many as core solves for.
 const MAX_CAMERAS: usize = 8;
-
-/// What stands before the device of a smart camera.
-const SERIAL: &str = "node:serial:";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -184,8 +181,11 @@ impl CameraToml {
             let mend = format!("{} knows that itself: set it there, and leave it out here", self.source());
             return Err((format!("{key} {extra}"), mend));
         }
-        let place = match self.source().strip_prefix(SERIAL) {
-            Some(port) => serial(port).map_err(wrong)?,
+        let place = match SerialPlace::of(self.source()) {
+            Some(place) => {
+                let SerialPlace { device, baud } = place.map_err(wrong)?;
+                HandCamera::Serial { device, baud }
+            }
             None => HandCamera::Station(node.parse().map_err(|error| wrong(format!("{error}")))?),
         };
         let focal = f64::from(*FOCAL_PX.start())..=f64::from(*FOCAL_PX.end());
@@ -198,21 +198,3 @@ impl CameraToml {
         })
     }
 }
-
-/// `DEVICE?baud=N`.
-fn serial(text: &str) -> Result<HandCamera, String> {
-    let (device, query) = text.split_once('?').unwrap_or((text, ""));
-    let mut query = Query::parse(query)?;
-    let baud = query.number("baud", "bits a second", BAUDS)?.unwrap_or(DEFAULT_BAUD);
-    query.finish()?;
-    if device.is_empty() {
-        return Err(format!("name the port, as {SERIAL}/dev/ttyACM0"));
-    }
-    Ok(HandCamera::Serial { device: device.into(), baud })
-}
-
-/// USB ports take any; a UART of this rate has room for two cameras' packets at 60 a second.
-const DEFAULT_BAUD: u32 = 921_600;
-
-/// What any line is asked for.
-const BAUDS: std::ops::RangeInclusive<u32> = 300..=12_000_000;

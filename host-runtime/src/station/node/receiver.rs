@@ -4,7 +4,7 @@
 use crate::link::Received;
 use std::collections::VecDeque;
 use std::path::Path;
-use tetrad_core::wire::{DecodeError, Decoder, ObservationPacket, Packet};
+use tetrad_core::wire::{DecodeError, Decoder, NoticePacket, ObservationPacket, Packet};
 
 /// The least lateness is kept of each stretch of this length, microseconds...
 const STRETCH_US: u64 = 500_000;
@@ -58,6 +58,8 @@ pub struct Receiver {
     sequence: u32,
     lateness: Lateness,
     counts: NodeCounts,
+    /// The newest answer to a command that was not taken.
+    answer: Option<NoticePacket>,
     /// The version that was told.
     version: Option<u8>,
     notice: Option<String>,
@@ -91,6 +93,7 @@ impl Receiver {
                     let wire_us = (length as f64 * line.byte_us).round() as u64;
                     newest = self.observation(packet, now_us, wire_us).or(newest);
                 }
+                Some(Ok(Packet::Notice(notice))) if notice.answers.is_some() => self.answer = Some(notice),
                 Some(Ok(_)) => self.counts.other += 1,
                 Some(Err(DecodeError::UnknownVersion(version))) => self.other_version(version),
                 Some(Err(_)) if first => {}
@@ -104,6 +107,11 @@ impl Receiver {
     #[must_use]
     pub const fn counts(&self) -> NodeCounts {
         self.counts
+    }
+
+    /// What answers a command, once.
+    pub fn take_answer(&mut self) -> Option<NoticePacket> {
+        self.answer.take()
     }
 
     /// What there is to tell, once.

@@ -4,7 +4,7 @@ use super::*;
 use serialport::TTYPort;
 use std::io::Write as _;
 use std::time::Instant;
-use tetrad_core::wire::{MAX_FRAME_LEN, encode};
+use tetrad_core::wire::{Decoder, MAX_FRAME_LEN, Packet, encode};
 use tetrad_fixtures::packets;
 
 /// Made 3 ms after the exposure.
@@ -45,6 +45,21 @@ impl Cable {
         self.ends = None;
     }
 
+    /// The next command that comes.
+    fn told(&mut self) -> Command {
+        let (mut decoder, began) = (Decoder::new(), Instant::now());
+        while began.elapsed() < Duration::from_secs(60) {
+            let mut byte = [0];
+            // nothing there yet
+            let count = self.ends.as_mut().unwrap().0.read(&mut byte).unwrap_or(0);
+            if let Some(packet) = decoder.packets(&byte[..count]).next() {
+                let Ok(Packet::Command(packet)) = packet else { panic!("{packet:?}") };
+                return packet.command;
+            }
+        }
+        panic!("it is told nothing");
+    }
+
     fn send(&mut self, bytes: &[u8]) {
         self.ends.as_mut().unwrap().0.write_all(bytes).unwrap();
     }
@@ -82,12 +97,13 @@ fn a_node_is_heard_through_garbage_restarts_and_pulled_cables() {
     let clock = Clock::wall();
     let (rung, rings) = std::sync::mpsc::channel();
     let ring = move || rung.send(()).unwrap();
-    let node = SerialNode::start(&cable.device(), 115_200, clock.clone(), ring).unwrap();
+    let node = SerialNode::start(&cable.device(), 115_200, clock.clone(), 1, ring).unwrap();
     let missing = until_told(&node, "cannot be opened");
     assert!(missing.contains("ttyACM0") && missing.contains("plug the camera in"), "{missing}");
 
     cable.plug();
     until_told(&node, "is open");
+    assert_eq!(cable.told(), Command::Start, "nothing came so far");
     let came = until_heard(&mut cable, &node, 7);
     assert_eq!((came.what.session, came.what.width), (7, 320));
     rings.recv_timeout(Duration::from_secs(60)).unwrap();
