@@ -38,9 +38,10 @@ impl Garbage {
     /// A good command, in a frame. It asks for no picture.
     pub fn command(&mut self) -> Vec<u8> {
         let at = ImagePoint::new(self.below(320) as f32, self.below(240) as f32);
-        let command = match self.below(3) {
+        let command = match self.below(12) {
+            // a second of the board's time
             0 => Command::SelfTest,
-            1 => Command::Stop,
+            1..6 => Command::Stop,
             // it was never taught, and says so
             _ => Command::SetWindow { ball: Ball::ALL[self.below(4)], at },
         };
@@ -52,11 +53,12 @@ impl Garbage {
         (0..length).map(|_| self.below(256) as u8).collect()
     }
 
-    /// The next piece: something of each kind in turn by chance, and then a command that has to get through,
-    /// behind the zero byte that a sender puts there.
+    /// The next piece: one to three of these by chance, and then a command that has to get through, behind the
+    /// zero byte that a sender puts there. It is short enough for the line's ring of 1024 bytes, whatever the
+    /// board is busy with.
     pub fn piece(&mut self) -> Vec<u8> {
         let mut piece = Vec::new();
-        for _ in 0..self.below(6) + 1 {
+        for _ in 0..self.below(3) + 1 {
             let mut frame = self.command();
             match self.below(6) {
                 0 => {
@@ -87,7 +89,7 @@ impl Garbage {
                 }
                 // longer than any packet, without a zero byte
                 _ => {
-                    let length = 257 + self.below(700);
+                    let length = 257 + self.below(64);
                     piece.extend((0..length).map(|_| self.below(255) as u8 + 1));
                 }
             }

@@ -103,6 +103,8 @@ fn a_line_that_runs_over_says_so_and_is_heard_again() -> io::Result<()> {
     // the zero byte ends what was cut
     let ask = [vec![0], command_frame(0, Command::SelfTest)].concat();
     board.send(&ask)?;
+    let answers = |packet: &Packet| notice(packet).is_some_and(|notice| notice.answers == Some(0));
+    board.until(|came| desktop::packets(came).iter().any(answers))?;
     let came = desktop::packets(board.when_quiet(quiet)?);
     let notices: Vec<&NoticePacket> = came.iter().filter_map(notice).collect();
     let last = notices.last().map(|last| (last.answers, last.notice));

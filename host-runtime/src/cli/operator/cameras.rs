@@ -105,7 +105,8 @@ impl Cameras {
                      and start its station again",
                 ),
                 Place::Serial(_) => SetUpPlace::Elsewhere(
-                    "this is a smart camera, which learns its balls itself: see what came with it",
+                    "this is a smart camera, which learns its balls itself: end this program, run `tetrad learn` \
+                     with its port, and start again",
                 ),
                 Place::Opened(_) | Place::Over => SetUpPlace::Elsewhere("this recording is over"),
             };
