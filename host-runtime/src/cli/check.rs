@@ -157,8 +157,9 @@ fn tell_operator(operator: &OperatorSettings) {
         let focal = seen.focal_px.map_or(String::new(), |px| format!(", focal length {px} px"));
         let what = match &seen.place {
             HandCamera::Station(name) => format!("the station {name}{focal}"),
-            HandCamera::Serial { device, baud } => {
-                format!("a smart camera on {}, {baud} bits/s{focal}", device.display())
+            HandCamera::Serial { device, baud, colours } => {
+                let taught = if colours.is_some() { ", taught from its file of colours" } else { "" };
+                format!("a smart camera on {}, {baud} bits/s{taught}{focal}", device.display())
             }
             HandCamera::Local(local) => camera(local),
         };

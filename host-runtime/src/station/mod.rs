@@ -47,7 +47,7 @@ pub use following::{Closeness, Following, Truth};
 pub(crate) use jpeg::{encode_jpeg, jpeg};
 pub use linked_slave::{LinkedSlave, NoReset};
 pub use motion::MotionSender;
-pub use node::{NodeCounts, SerialNode, SmartCamera, SmartCameraError};
+pub use node::{NodeCounts, SerialNode, SmartCamera, SmartCameraError, Told};
 pub use operator::Operator;
 pub use overseer::{Overseen, Overseer, SlaveTrouble};
 pub use picture_age::{STALE_US, is_stale, picture_age_us};

@@ -33,16 +33,28 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use tetrad_core::wire::{Command, ObservationPacket};
+use tetrad_core::observation::{BALLS, Ball};
+use tetrad_core::vision::appearance::LearntBall;
+use tetrad_core::wire::{Command, Notice, NoticePacket, ObservationPacket};
 
 /// How long a read waits: until then nobody hears of the program's end.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// A camera that sends nothing for so long is told to start, microseconds: it was just switched on, or stopped.
+/// A camera that sends nothing for so long is taught and told to start, microseconds: it was just switched on, or
+/// stopped.
 const SILENCE_US: u64 = 1_000_000;
 
 /// Bytes read at a time: more than a whole packet.
 const CHUNK: usize = 512;
+
+/// What a smart camera is told.
+#[derive(Clone, Copy, Debug)]
+pub struct Told {
+    /// The program's own session.
+    pub session: u32,
+    /// What it is taught: only these balls, of which there may be none.
+    pub taught: [Option<LearntBall>; BALLS],
+}
 
 /// A smart camera on a serial port. Where it is dropped, the port is closed.
 pub struct SerialNode {
@@ -58,8 +70,8 @@ struct Shared {
 
 impl SerialNode {
     /// Listens at `device` from now on. That nothing is there is no error: it is opened as soon as
-    /// there is. `session` is the program's own, and `ring` wakes the operator's loop whenever there are
-    /// new observations.
+    /// there is, and `told` then what it gets. `ring` wakes the operator's loop whenever there are new
+    /// observations.
     ///
     /// # Errors
     /// The system has no thread left.
@@ -67,7 +79,7 @@ impl SerialNode {
         device: &Path,
         baud: u32,
         clock: Clock,
-        session: u32,
+        told: Told,
         ring: impl Fn() + Send + 'static,
     ) -> io::Result<Self> {
         let shared = Arc::new(Shared {
@@ -81,10 +93,11 @@ impl SerialNode {
             clock,
             shared: Arc::clone(&shared),
             receiver: Receiver::default(),
-            commander: Commander::new(session),
+            commander: Commander::new(told.session),
+            taught: told.taught,
             told_us: None,
             back_off: BackOff::default(),
-            told: String::new(),
+            not_open: String::new(),
         };
         let thread =
             std::thread::Builder::new().name("node".to_owned()).spawn(move || listener.listen(&ring))?;
@@ -127,11 +140,12 @@ struct Listener {
     shared: Arc<Shared>,
     receiver: Receiver,
     commander: Commander,
-    /// When it was told to start, last.
+    taught: [Option<LearntBall>; BALLS],
+    /// When it was told to start, last, since the port was opened.
     told_us: Option<u64>,
     back_off: BackOff,
     /// Why the port is not open, as it was told.
-    told: String,
+    not_open: String,
 }
 
 impl Listener {
@@ -144,7 +158,7 @@ impl Listener {
             let lost = match open(&self.device, self.baud) {
                 Ok(port) => {
                     self.tell("the port is open: it is listened to".to_owned());
-                    self.told.clear();
+                    self.not_open.clear();
                     self.back_off = BackOff::default();
                     match self.read(port, ring) {
                         Ok(()) => return,
@@ -153,9 +167,9 @@ impl Listener {
                 }
                 Err(error) => format!("the port cannot be opened ({error}): plug the camera in"),
             };
-            if self.told != lost {
+            if self.not_open != lost {
                 self.tell(format!("{lost}; it is tried again and again"));
-                self.told = lost;
+                self.not_open = lost;
             }
             self.back_off.failed(self.clock.now_us());
         }
@@ -169,8 +183,9 @@ impl Listener {
         self.receiver.open();
         let mut bytes = [0; CHUNK];
         let mut heard_us = None;
+        self.told_us = None;
         while !self.shared.stop.load(Ordering::Relaxed) {
-            self.start_what_is_silent(&mut *port, heard_us)?;
+            self.command(&mut *port, heard_us)?;
             let count = match port.read(&mut bytes) {
                 Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
                 Ok(count) => count,
@@ -186,7 +201,7 @@ impl Listener {
                 self.tell(notice);
             }
             if let Some(answer) = self.receiver.take_answer() {
-                self.commander.heard(&answer);
+                self.answered(&answer);
             }
             if let Some(came) = came {
                 heard_us = Some(now_us);
@@ -197,14 +212,18 @@ impl Listener {
         Ok(())
     }
 
-    /// Tells a camera to start that has sent no observations since the port was opened, or for a while.
-    fn start_what_is_silent(&mut self, port: &mut dyn SerialPort, heard_us: Option<u64>) -> io::Result<()> {
+    /// Writes the commands that are due. A camera that has sent no observations since the port was opened, or for a
+    /// while, is taught and told to start: it may have been switched off, and have forgotten all.
+    fn command(&mut self, port: &mut dyn SerialPort, heard_us: Option<u64>) -> io::Result<()> {
         let now_us = self.clock.now_us();
-        if heard_us.is_some_and(|heard_us| now_us.saturating_sub(heard_us) < SILENCE_US) {
-            return Ok(());
-        }
-        let just_told = self.told_us.is_some_and(|told_us| now_us.saturating_sub(told_us) < SILENCE_US);
-        if self.commander.is_idle() && !just_told {
+        let lately =
+            |at_us: Option<u64>| at_us.is_some_and(|at_us| now_us.saturating_sub(at_us) < SILENCE_US);
+        if self.commander.is_idle() && !lately(heard_us) && !lately(self.told_us) {
+            for (ball, learnt) in Ball::ALL.into_iter().zip(self.taught) {
+                learnt
+                    .into_iter()
+                    .for_each(|learnt| self.commander.tell(Command::SetReference { ball, learnt }));
+            }
             self.commander.tell(Command::Start);
             self.told_us = Some(now_us);
         }
@@ -215,6 +234,14 @@ impl Listener {
                 Err(error)
             }
             _ => Ok(()),
+        }
+    }
+
+    /// Takes an answer; a ball that it cannot be taught is the user's affair.
+    fn answered(&mut self, answer: &NoticePacket) {
+        if let Some((_, Notice::NotTaught { ball, why })) = self.commander.heard(answer) {
+            let why = smart_camera::in_words(&why);
+            self.tell(format!("the {} ball was not taught: {why}; learn it anew", ball.name()));
         }
     }
 

@@ -8,9 +8,10 @@ use crate::robot::clock::Clock;
 use crate::session::StationTape;
 use crate::settings::station::{HandCamera, HandCameraSettings};
 use crate::station::pairing::Pairing;
-use crate::station::{CameraStation, CameraThread, Label, SerialNode};
+use crate::station::{CameraStation, CameraThread, Label, SerialNode, Told};
 use anyhow::Context as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use tetrad_core::observation::BALLS;
 use tetrad_core::wire::ObservationPacket;
 
 /// A camera station has one camera.
@@ -70,8 +71,12 @@ impl Cameras {
                         })?,
                     )
                 }
-                HandCamera::Serial { device, baud } => {
-                    let node = SerialNode::start(device, *baud, clock.clone(), session, ring);
+                HandCamera::Serial { device, baud, colours } => {
+                    let told = Told {
+                        session,
+                        taught: colours.as_ref().map_or([None; BALLS], |colours| colours.learnt_balls()),
+                    };
+                    let node = SerialNode::start(device, *baud, clock.clone(), told, ring);
                     Place::Serial(node.context("a camera's thread cannot be started").or_exit(Exit::Failed)?)
                 }
                 HandCamera::Local(local) => {
@@ -106,7 +111,7 @@ impl Cameras {
                 ),
                 Place::Serial(_) => SetUpPlace::Elsewhere(
                     "this is a smart camera, which learns its balls itself: end this program, run `tetrad learn` \
-                     with its port, and start again",
+                     with its port, name the file as its colours here, and start again",
                 ),
                 Place::Opened(_) | Place::Over => SetUpPlace::Elsewhere("this recording is over"),
             };

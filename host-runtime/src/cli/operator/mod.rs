@@ -254,7 +254,11 @@ impl Order<'_> {
                 HandCamera::Local(local) => {
                     inputs.extend(camera_files(key, local, camera.colours.as_deref()));
                 }
-                HandCamera::Serial { device, .. } => inputs.push(Input::new(key, device)),
+                HandCamera::Serial { device, .. } => {
+                    inputs.push(Input::new(key, device));
+                    let file = camera.colours.as_deref();
+                    inputs.extend(file.map(|file| Input::new("[[operator.camera]] colours", file)));
+                }
                 HandCamera::Station(_) => {}
             }
         }

@@ -116,8 +116,8 @@ impl CameraToml {
         Ok(LocalCamera { source, options, start, focal_px, mode })
     }
 
-    /// The first key that only a camera of this computer can have.
-    pub(super) fn of_a_local_camera(&self) -> Option<&'static str> {
+    /// The keys that were given of those that only a camera of this computer can have.
+    pub(super) fn of_a_local_camera(&self) -> impl Iterator<Item = &'static str> {
         [
             ("view", self.view.is_some()),
             ("colours", self.colours.is_some()),
@@ -128,7 +128,7 @@ impl CameraToml {
             ("preview_fps", self.preview_fps.is_some()),
         ]
         .into_iter()
-        .find_map(|(key, given)| given.then_some(key))
+        .filter_map(|(key, given)| given.then_some(key))
     }
 
     /// The focal length as it was given.
@@ -152,17 +152,9 @@ impl CameraToml {
             (Some(_), Some(_)) => {
                 Err((at("colours, scene"), "the same said twice: leave one of both out".to_owned()))
             }
-            (Some(file), None) => {
-                let path = dir.join(file);
-                let label = path.display().to_string();
-                let colours = read(&path)
-                    .and_then(|text| Colours::parse(&text, &label).map_err(|error| error.to_string()))
-                    .and_then(|colours| {
-                        colours.select(BallSet::ALL, &label).map_err(|error| error.to_string())
-                    })
-                    .map_err(|problem| (at("colours"), problem))?;
-                Ok(CameraStart::Given(Start::Colours(colours)))
-            }
+            (Some(file), None) => colours_in(&dir.join(file))
+                .map(|colours| CameraStart::Given(Start::Colours(colours)))
+                .map_err(|problem| (at("colours"), problem)),
             (None, Some(file)) => {
                 let path = dir.join(file);
                 let label = path.display().to_string();
@@ -190,6 +182,13 @@ impl CameraToml {
 /// SRC as this program finds it: a recording lies beside the file that names it.
 pub(super) fn located(source: &str, dir: &Path) -> String {
     if source.starts_with("sim:") { source.to_owned() } else { dir.join(source).display().to_string() }
+}
+
+/// A file's colours, of all four balls.
+pub(super) fn colours_in(path: &Path) -> Result<Colours, String> {
+    let label = path.display().to_string();
+    let colours = Colours::parse(&read(path)?, &label).map_err(|error| error.to_string())?;
+    colours.select(BallSet::ALL, &label).map_err(|error| error.to_string())
 }
 
 fn read(path: &Path) -> Result<String, String> {

@@ -1,7 +1,8 @@
 //! `[operator]` and `[[operator.camera]]`: the hand, the cameras that see it, and where the arm is.
 
-use super::camera::{CameraToml, LocalCamera};
+use super::camera::{CameraToml, LocalCamera, colours_in};
 use super::within;
+use crate::colours::Colours;
 use crate::link::StationName;
 use crate::settings::FOCAL_PX;
 use crate::settings::file::Problem;
@@ -74,7 +75,7 @@ pub struct HandCameraSettings {
     pub source: String,
     /// Where it is.
     pub place: HandCamera,
-    /// The file that keeps its colours, where it is plugged in here and has one.
+    /// The file that keeps its colours, where it is at no other station and has one.
     pub colours: Option<PathBuf>,
     /// Its nominal focal length, px, where one was given.
     pub focal_px: Option<f32>,
@@ -91,6 +92,8 @@ pub enum HandCamera {
         device: PathBuf,
         /// Bits a second.
         baud: u32,
+        /// What it is taught; without, it keeps what it was taught before.
+        colours: Option<Box<Colours>>,
     },
     /// Plugged in here.
     Local(Box<LocalCamera>),
@@ -127,6 +130,7 @@ impl OperatorToml {
                 (HandCamera::Local(a), HandCamera::Local(b)) => {
                     a.source == b.source && a.options.view == b.options.view
                 }
+                (HandCamera::Serial { device: a, .. }, HandCamera::Serial { device: b, .. }) => a == b,
                 (a, b) => a == b,
             };
             if cameras.iter().take(index).any(same) {
@@ -162,7 +166,7 @@ impl CameraToml {
     fn of_hand(&self, key: &str, dir: &Path) -> Result<HandCameraSettings, Problem> {
         let wrong = |problem: String| (format!("{key} source"), problem);
         let Some(node) = self.source().strip_prefix("node:") else {
-            if self.of_a_local_camera() == Some("preview_fps") {
+            if self.of_a_local_camera().next() == Some("preview_fps") {
                 let mend = "a camera of this station is looked at here: leave it out".to_owned();
                 return Err((format!("{key} preview_fps"), mend));
             }
@@ -177,14 +181,20 @@ impl CameraToml {
                 focal_px,
             });
         };
-        if let Some(extra) = self.of_a_local_camera() {
+        let serial = SerialPlace::of(self.source());
+        // a smart camera has no file to keep its colours in
+        let takes = |key: &str| key == "colours" && serial.is_some();
+        if let Some(extra) = self.of_a_local_camera().find(|key| !takes(key)) {
             let mend = format!("{} knows that itself: set it there, and leave it out here", self.source());
             return Err((format!("{key} {extra}"), mend));
         }
-        let place = match SerialPlace::of(self.source()) {
+        let file = self.colours(dir);
+        let place = match serial {
             Some(place) => {
                 let SerialPlace { device, baud } = place.map_err(wrong)?;
-                HandCamera::Serial { device, baud }
+                let colours = file.as_deref().map(colours_in).transpose();
+                let colours = colours.map_err(|problem| (format!("{key} colours"), problem))?.map(Box::new);
+                HandCamera::Serial { device, baud, colours }
             }
             None => HandCamera::Station(node.parse().map_err(|error| wrong(format!("{error}")))?),
         };
@@ -193,7 +203,7 @@ impl CameraToml {
         Ok(HandCameraSettings {
             source: self.source().to_owned(),
             place,
-            colours: None,
+            colours: file,
             focal_px: focal_px.map(|px| px as f32),
         })
     }

@@ -75,8 +75,40 @@ fn everything_in_one_file() {
     .unwrap();
     let operator = settings.operator.unwrap();
     assert_eq!((settings.network, operator.slave), (None, SlavePlace::Here));
-    let serial = HandCamera::Serial { device: "/dev/ttyACM0".into(), baud: 115_200 };
+    let serial = HandCamera::Serial { device: "/dev/ttyACM0".into(), baud: 115_200, colours: None };
     assert_eq!(operator.cameras[2].place, serial);
+}
+
+#[test]
+fn a_smart_camera_may_have_colours_and_nothing_else_of_a_camera_here() {
+    let dir = tempfile::tempdir().unwrap();
+    let colours =
+        "reference = [200, 30, 30]\ntypical = [200, 30, 30]\nbackground = [90, 90, 90]\ndiameter_px = 15\n";
+    let colours: String =
+        ["red", "green", "blue", "yellow"].map(|ball| format!("[{ball}]\n{colours}")).concat();
+    fs::write(dir.path().join("smart.toml"), colours).unwrap();
+    let text = |more: &str| {
+        format!(
+            "[operator]\narm_mm = 80\nslave = \"here\"\n\
+             [[operator.camera]]\nsource = \"node:serial:/dev/ttyACM0\"\n{more}\n[slave]\nport = \"sim:\"\n"
+        )
+    };
+    let operator = load_in(dir.path(), &text("colours = \"smart.toml\"")).unwrap().operator.unwrap();
+    let HandCamera::Serial { colours: Some(taught), .. } = &operator.cameras[0].place else {
+        panic!("{operator:?}")
+    };
+    assert!(taught.learnt_balls().iter().flatten().all(|ball| ball.diameter == 15.0), "{taught:?}");
+    assert_eq!(operator.cameras[0].colours, Some(dir.path().join("smart.toml")));
+
+    let refused = |more: &str| load_in(dir.path(), &text(more)).unwrap_err();
+    let missing = refused("colours = \"none.toml\"");
+    assert!(missing.starts_with("[[operator.camera]] 1 colours: cannot read"), "{missing}");
+    let paper = refused("colours = \"smart.toml\"\nmode = \"paper\"");
+    assert!(paper.starts_with("[[operator.camera]] 1 mode: node:serial:/dev/ttyACM0 knows"), "{paper}");
+    let twice =
+        "[[operator.camera]]\nsource = \"node:serial:/dev/ttyACM0?baud=9600\"\ncolours = \"smart.toml\"";
+    let twice = refused(twice);
+    assert!(twice.contains("is given twice"), "{twice}");
 }
 
 #[test]

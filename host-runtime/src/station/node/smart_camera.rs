@@ -304,7 +304,7 @@ fn unasked(notice: Notice) -> Option<String> {
 }
 
 /// Why a ball was not learnt.
-const fn in_words(why: &NotTaught) -> &'static str {
+pub(super) const fn in_words(why: &NotTaught) -> &'static str {
     match why {
         NotTaught::Outside => "the point is not in the picture",
         NotTaught::Background => "at the point there is nothing of this colour",
