@@ -30,18 +30,27 @@ pub(super) fn passes() -> bool {
     outcome() == Some(EXPECTED)
 }
 
-/// The bits of the centre and the diameter of the ball in the drawn picture.
-pub(super) fn outcome() -> Option<[u32; 3]> {
-    let mut picture = [[0_u8; 2]; PIXELS];
-    for (pixel, index) in picture.iter_mut().zip(0_i32..) {
-        let (x, y) = (index % i32::from(WIDTH), index / i32::from(WIDTH));
+/// What is looked at: a ball, brighter to the right, so that what comes out is no round number. The compiler
+/// draws it and it stays in flash: learning leaves no room for it on a microcontroller's stack.
+static PICTURE: [[u8; 2]; PIXELS] = drawn();
+
+const fn drawn() -> [[u8; 2]; PIXELS] {
+    let mut picture = [[0; 2]; PIXELS];
+    let mut index = 0;
+    while index < PIXELS {
+        let (x, y) = (index as i32 % WIDTH as i32, index as i32 / WIDTH as i32);
         let (du, dv) = (2 * x - CENTRE.0, 2 * y - CENTRE.1);
         let inside = du * du + dv * dv <= RADIUS_SQUARED;
-        // brighter to the right, so that what comes out is no round number
-        let shade = u16::try_from(x / 6).unwrap_or(0) * STEP;
-        *pixel = if inside { RED + shade } else { GREY }.to_le_bytes();
+        let pixel = if inside { RED + (x / 6) as u16 * STEP } else { GREY };
+        picture[index] = pixel.to_le_bytes();
+        index += 1;
     }
-    let frame = FrameView::packed(picture.as_flattened(), WIDTH, HEIGHT, PixelFormat::Rgb565Le).ok()?;
+    picture
+}
+
+/// The bits of the centre and the diameter of the ball in the picture.
+pub(super) fn outcome() -> Option<[u32; 3]> {
+    let frame = FrameView::packed(PICTURE.as_flattened(), WIDTH, HEIGHT, PixelFormat::Rgb565Le).ok()?;
     let learnt = learn(&frame, Primary::Red, ImagePoint::new(19.0, 16.0), &LearnConfig::default()).ok()?;
     Some([learnt.centre.u.to_bits(), learnt.centre.v.to_bits(), learnt.diameter.to_bits()])
 }
