@@ -19,6 +19,7 @@
 //! | what the log says | `log` | no |
 //! | learning by a button | `teach` | no |
 //! | setting up the image sensor OV7725 | `ov7725` | no |
+//! | pose and arm as bytes, for comparing | `probes` | no |
 //! | what is particular to a board | `board` | yes |
 //!
 //! What is computed is `tetrad-core`'s: the same packets, to the byte, as a desktop computes of the same
@@ -34,6 +35,7 @@ pub mod capture;
 pub mod handover;
 mod log;
 pub mod ov7725;
+pub mod probes;
 pub mod receive;
 pub mod send;
 pub mod share;

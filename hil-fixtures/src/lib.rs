@@ -14,7 +14,7 @@
 //! | as a device sends it | `formats` | RGB888 -> every pixel format of `tetrad-core` |
 //! | what it was last time | `golden` | name, hash -> equal or not |
 //!
-//! Beside that, packets as stations send them ([`packets`]).
+//! Beside that, packets as stations send them ([`packets`]), and tables of the arm ([`puma560`]).
 //!
 //! Conventions: world x towards the cameras, y to the right as they see it, z up; metres, seconds,
 //! radians. A camera looks along its z, x right, y down. Pixel centres are at integers, (0, 0) the
@@ -40,6 +40,7 @@ mod occluder;
 mod outline;
 pub mod packets;
 mod paint;
+pub mod puma560;
 mod render;
 mod scene;
 mod scenes;

@@ -5,11 +5,12 @@
 
 mod puma560;
 
-use puma560::{ALL_PASSAGES, Row, apart, arm, folders, single, tables, tracks, turned};
+use puma560::{ALL_PASSAGES, apart, arm, folders, single, tables, tracks, turned};
 use std::collections::{BTreeMap, HashMap};
 use tetrad_core::arm::puma560::{
     ChangeKind, ChooseRefusal, Configuration, Joints, Policy, Recent, Unreachable,
 };
+use tetrad_fixtures::puma560::Row;
 
 #[test]
 fn forward_jacobian_and_singularities_are_the_same() {

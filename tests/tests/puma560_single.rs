@@ -5,12 +5,13 @@
 
 mod puma560;
 
-use puma560::{ALL_PASSAGES, Row, Table, apart, arm, folders, single, tables, tracks, turned};
+use puma560::{ALL_PASSAGES, apart, arm, folders, single, tables, tracks, turned};
 use std::collections::{BTreeMap, HashMap};
 use tetrad_core::arm::puma560::{Joints, Recent, Solutions};
 use tetrad_core::geometry::Pose;
 use tetrad_core::real::Real;
 use tetrad_fixtures::golden::Fnv1a;
+use tetrad_fixtures::puma560::{Row, Table};
 
 /// What single precision shall keep (issue 4, Show 1), radians.
 const KEPT_RAD: f64 = 1e-4;

@@ -177,7 +177,7 @@ fn vision(tape: &mut Tape, buffer: &mut PictureBuffer) {
                     }
                 }
             }
-            Record::Pause(_) | Record::TooLong | Record::Unknown => {}
+            Record::Pause(_) | Record::Case(_) | Record::TooLong | Record::Unknown => {}
         }
         // behind the sequence the camera is told to stop, and shown its first picture again
         if paper.frames == 15 {

@@ -89,10 +89,23 @@ impl Target {
     /// # Errors
     /// There is no such program or no QEMU, or the run did not end well; with what was said.
     pub fn play(self, tape: &Tape) -> io::Result<(Vec<u8>, String)> {
+        self.played(tape, "mps2-camera", "line")
+    }
+
+    /// The bytes that the hand and the arm answered.
+    ///
+    /// # Errors
+    /// As [`Target::play`].
+    pub fn answers(self, tape: &Tape) -> io::Result<Vec<u8>> {
+        self.played(tape, "mps2-probes", "tetrad.answers").map(|(answers, _)| answers)
+    }
+
+    /// What a program wrote to a file, and what it said.
+    fn played(self, tape: &Tape, program: &str, written: &str) -> io::Result<(Vec<u8>, String)> {
         let folder = tempfile::tempdir()?;
         fs::write(folder.path().join("tetrad.tape"), tape.bytes())?;
-        let said = self.run("mps2-camera", folder.path(), FAST)?;
-        Ok((fs::read(folder.path().join("line"))?, said))
+        let said = self.run(program, folder.path(), FAST)?;
+        Ok((fs::read(folder.path().join(written))?, said))
     }
 
     /// The bytes that the smart camera wrote to its serial line, and those of its log.

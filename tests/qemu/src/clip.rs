@@ -1,4 +1,4 @@
-//! Scenes small enough for a microcontroller's sensor: QVGA, RGB565, one camera.
+//! Scenes small enough for a microcontroller's sensor: QVGA, RGB565.
 
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::{BALLS, Ball};
@@ -8,19 +8,17 @@ use tetrad_fixtures::{Scene, to_format};
 /// Pixels lie as most sensors send them.
 pub const FORMAT: PixelFormat = PixelFormat::Rgb565Be;
 
-/// Which camera of the scene.
-const CAMERA: usize = 0;
-
-/// A scene in half its size.
+/// A camera's pictures of a scene, in half their size.
 #[derive(Debug)]
 pub struct Clip {
     scene: Scene,
+    camera: usize,
 }
 
 impl Clip {
-    /// The scene of that name in half its width and height.
+    /// What a camera of the scene of that name sees, in half its width and height.
     #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
+    pub fn named(name: &str, camera: usize) -> Option<Self> {
         let mut scene = Scene::named(name)?;
         (scene.width, scene.height) = (scene.width / 2, scene.height / 2);
         for camera in &mut scene.cameras {
@@ -28,7 +26,7 @@ impl Clip {
             camera.principal_px =
                 ((f64::from(scene.width) - 1.0) / 2.0, (f64::from(scene.height) - 1.0) / 2.0);
         }
-        Some(Self { scene })
+        (camera < scene.cameras()).then_some(Self { scene, camera })
     }
 
     /// Width and height, pixels.
@@ -41,7 +39,7 @@ impl Clip {
     #[must_use]
     pub fn picture(&self, frame: usize) -> Vec<u8> {
         let mut rgb = Vec::new();
-        self.scene.render_rgb(frame, CAMERA, &mut rgb);
+        self.scene.render_rgb(frame, self.camera, &mut rgb);
         to_format(&rgb, self.scene.width, self.scene.height, FORMAT)
     }
 
@@ -54,7 +52,7 @@ impl Clip {
     /// Where the balls are in a picture.
     #[must_use]
     pub fn places(&self, frame: usize) -> [(Ball, ImagePoint); BALLS] {
-        let truth = self.scene.truth(frame, CAMERA);
+        let truth = self.scene.truth(frame, self.camera);
         Ball::ALL.map(|ball| {
             let (u, v) = truth[ball.index()].outline_centre;
             (ball, ImagePoint::new(u as f32, v as f32))

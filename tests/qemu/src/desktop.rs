@@ -1,6 +1,7 @@
 //! What the desktop makes of a tape: the bytes that a board has to send.
 
 use crate::clip::FORMAT;
+use crate::probes::{Arm, Hand};
 use crate::tape::{Event, Tape};
 use tetrad_core::config::LearnConfig;
 use tetrad_core::node::{Node, NodeConfig};
@@ -53,7 +54,6 @@ impl Camera {
                 }
             }
             // the desktop has no watchdog to wait for
-            Event::Pause(_) => {}
             Event::Picture(capture_us, bytes) => {
                 match FrameView::packed(bytes, self.size.0, self.size.1, FORMAT) {
                     Ok(view) => {
@@ -64,6 +64,7 @@ impl Camera {
                     Err(error) => send(self.node.refuse(error.into()).into()),
                 }
             }
+            Event::Pause(_) | Event::Case(_) => {}
         }
     }
 
@@ -83,6 +84,22 @@ pub fn line(tape: &Tape) -> Vec<u8> {
     let mut camera = Camera::of(tape);
     tape.events.iter().for_each(|event| camera.take(event));
     camera.line
+}
+
+/// What `mps2-probes` answers.
+#[must_use]
+pub fn answers(tape: &Tape) -> Vec<u8> {
+    let (mut hand, arm) = (Hand::new(tape.mode.hand()), Arm::new());
+    let mut answers = Vec::new();
+    for event in &tape.events {
+        let answer = |bytes: &[u8]| answers.extend(bytes);
+        match event {
+            Event::Line(bytes) => hand.take(bytes, answer),
+            Event::Case(bytes) => arm.answer(bytes, answer),
+            Event::Picture(..) | Event::Pause(_) => {}
+        }
+    }
+    answers
 }
 
 /// The packets of a line's bytes.

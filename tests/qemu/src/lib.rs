@@ -4,7 +4,10 @@
 //! |---|---|
 //! | scenes small enough for a microcontroller's sensor | `clip` |
 //! | pictures and commands as the firmware reads them | `tape` |
+//! | what two cameras saw of a hand, as a tape | `hand` |
+//! | the arm's cases, as a tape | `arm` |
 //! | what the desktop makes of a tape | `desktop` |
+//! | pose and arm as bytes: the firmware's own file | `probes` |
 //! | what a board makes of it | `board` |
 //! | a board whose serial line somebody is at | `live` |
 //! | what a line carries beside good commands | `garbage` |
@@ -14,12 +17,16 @@
 //! The runs are in `tests/`, behind the feature `boards`: `cargo verify --only firmware-qemu` builds the
 //! firmware and runs them.
 
+pub mod arm;
 pub mod board;
 pub mod clip;
 pub mod desktop;
 pub mod elf;
 pub mod garbage;
+pub mod hand;
 pub mod live;
 #[cfg(feature = "boards")]
 pub mod log;
+#[path = "../../../firmware/src/probes.rs"]
+pub mod probes;
 pub mod tape;

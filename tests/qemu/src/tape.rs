@@ -2,10 +2,11 @@
 
 use crate::clip::{Clip, FORMAT, Sequence};
 use tetrad_core::config::TrackerConfig;
+use tetrad_core::hand::tracker::HandMode;
 use tetrad_core::vision::frame::PixelFormat;
-use tetrad_core::wire::{Command, CommandPacket, MAX_FRAME_LEN, encode};
+use tetrad_core::wire::{Command, CommandPacket, MAX_FRAME_LEN, Packet, encode};
 
-/// How balls are tracked.
+/// How balls are tracked, and the hand's pose is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// By the paper's methods.
@@ -18,7 +19,16 @@ impl Mode {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Paper, Self::Refined];
 
-    /// The settings.
+    /// How the hand's pose is computed.
+    #[must_use]
+    pub const fn hand(self) -> HandMode {
+        match self {
+            Self::Paper => HandMode::Paper,
+            Self::Refined => HandMode::Refined,
+        }
+    }
+
+    /// A camera's settings.
     #[must_use]
     pub fn tracker(self) -> TrackerConfig {
         match self {
@@ -43,7 +53,7 @@ pub fn command_frame(sequence: u32, command: Command) -> Vec<u8> {
     frame[..length].to_vec()
 }
 
-/// Something that comes to the camera.
+/// Something that comes to the board.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// A picture, and when it was taken, microseconds.
@@ -52,6 +62,21 @@ pub enum Event {
     Line(Vec<u8>),
     /// Nothing, for so many microseconds.
     Pause(u64),
+    /// A case of the arm.
+    Case(Vec<u8>),
+}
+
+impl Event {
+    /// A packet that comes on the serial line.
+    ///
+    /// # Panics
+    /// When the packet holds what may not be sent.
+    #[must_use]
+    pub fn packet(packet: &Packet) -> Self {
+        let mut frame = [0; MAX_FRAME_LEN];
+        let length = encode(packet, &mut frame).expect("a packet of numbers");
+        Self::Line(frame[..length].to_vec())
+    }
 }
 
 /// What a board and the desktop are shown.
@@ -59,20 +84,31 @@ pub enum Event {
 pub struct Tape {
     /// Width and height of all pictures, pixels.
     pub size: (u16, u16),
-    /// How balls are tracked.
+    /// How everything is computed.
     pub mode: Mode,
     /// What comes, in order.
     pub events: Vec<Event>,
 }
 
 impl Tape {
-    /// The balls taught and the sequence shown; in the end the camera is told to test itself and to stop.
+    /// What the scene's first camera is told and shown: the balls are taught and the sequence is shown; in the
+    /// end the camera is told to test itself and to stop.
     ///
     /// # Panics
     /// When there is no such scene.
     #[must_use]
     pub fn of(sequence: &Sequence) -> Self {
-        let clip = Clip::named(sequence.scene).unwrap_or_else(|| panic!("no scene {}", sequence.scene));
+        Self::of_camera(sequence, 0)
+    }
+
+    /// The same of any camera of the scene.
+    ///
+    /// # Panics
+    /// When there is no such scene or camera.
+    #[must_use]
+    pub fn of_camera(sequence: &Sequence, camera: usize) -> Self {
+        let clip = Clip::named(sequence.scene, camera)
+            .unwrap_or_else(|| panic!("no scene {} of camera {camera}", sequence.scene));
         let mut commands = 0..;
         let mut told = |command| Event::Line(command_frame(commands.next().unwrap_or(0), command));
         let mut events: Vec<Event> =
@@ -124,6 +160,7 @@ impl Tape {
                 Event::Picture(capture_us, content) => (1, *capture_us, content),
                 Event::Line(content) => (2, 0, content),
                 Event::Pause(us) => (3, *us, &[]),
+                Event::Case(content) => (4, 0, content),
             };
             bytes.extend(kind.to_le_bytes());
             bytes.extend((content.len() as u32).to_le_bytes());

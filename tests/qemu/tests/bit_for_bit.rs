@@ -58,12 +58,12 @@ fn a_flipped_bit_of_a_picture_is_noticed() -> io::Result<()> {
     let mut tape = Tape::of(&Sequence { scene: "static-30px", frames: (1..4).collect() });
     let expected = desktop::line(&tape);
     assert_eq!(Target::OWN[0].play(&tape)?.0, expected, "as on the desktop");
-    let place = tetrad_qemu::clip::Clip::named("static-30px").map(|clip| clip.places(2)[0].1);
+    let place = tetrad_qemu::clip::Clip::named("static-30px", 0).map(|clip| clip.places(2)[0].1);
     let place = place.ok_or(io::ErrorKind::NotFound)?;
     let (width, pictures) = (usize::from(tape.size.0), tape.events.iter_mut());
     let mut pictures = pictures.filter_map(|event| match event {
         Event::Picture(_, bytes) => Some(bytes),
-        Event::Line(_) | Event::Pause(_) => None,
+        Event::Line(_) | Event::Pause(_) | Event::Case(_) => None,
     });
     // the upper bit of red, in the middle of the red ball
     let pixel = place.v.round() as usize * width + place.u.round() as usize;

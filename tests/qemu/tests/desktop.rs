@@ -1,10 +1,14 @@
 //! Promise: what boards are compared with is worth comparing.
 
+use std::collections::BTreeSet;
+use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::ObservationState;
-use tetrad_core::wire::{Notice, ObservationPacket, Packet};
+use tetrad_core::wire::{MotionPacket, Notice, ObservationPacket, Packet};
 use tetrad_qemu::clip::{COVERED, Sequence, sequences};
-use tetrad_qemu::desktop;
+use tetrad_qemu::hand::shown;
+use tetrad_qemu::probes::CASE_BYTES;
 use tetrad_qemu::tape::{Event, Mode, Tape};
+use tetrad_qemu::{arm, desktop};
 
 #[test]
 fn what_is_compared_is_of_balls_that_are_seen() {
@@ -47,6 +51,50 @@ fn balls_are_hidden_lost_and_found_in_what_is_compared() {
         let last = seen.last().map(|seen| seen.balls);
         assert!(last.iter().flatten().all(|ball| ball.state.is_measured()), "{mode:?}: {last:?}");
     }
+}
+
+#[test]
+fn a_hand_is_measured_carried_on_lost_and_latched_in_what_is_compared() {
+    for mode in Mode::ALL {
+        let mut states = BTreeSet::new();
+        for shown in shown() {
+            let motions = motions(&desktop::answers(&shown.tape(mode)));
+            assert_eq!(motions.len(), shown.sequence.frames.len() + 1, "each instant is told of");
+            states.extend(motions.iter().map(|motion| motion.state));
+            let latches = motions.last().map(|motion| motion.engagements);
+            assert_eq!(latches, Some(2), "{mode:?}, {}", shown.sequence.scene);
+            let moved = motions.iter().filter(|motion| motion.since_engage.translation != [0.0; 3]).count();
+            assert!(2 * moved > motions.len(), "{mode:?}, {}: {moved}", shown.sequence.scene);
+        }
+        let expected: &[PoseState] = match mode {
+            // it knows complete frames and others
+            Mode::Paper => &[PoseState::Both, PoseState::Held, PoseState::Lost],
+            Mode::Refined => &PoseState::ALL,
+        };
+        assert!(states.iter().eq(expected), "{mode:?}: {states:?}");
+    }
+}
+
+#[test]
+fn the_arm_is_asked_for_what_is_in_reach_and_what_is_not() {
+    let tape = arm::tape();
+    assert!(tape.events.len() > 80, "{} cases", tape.events.len());
+    let mut lengths = BTreeSet::new();
+    for event in &tape.events {
+        assert!(matches!(event, Event::Case(bytes) if bytes.len() == CASE_BYTES), "{event:?}");
+        let alone = Tape { events: vec![event.clone()], ..tape.clone() };
+        lengths.insert(desktop::answers(&alone).len());
+    }
+    // where the joints bring the tool, and for each precision eight solutions or a reason
+    assert_eq!(lengths, BTreeSet::from([48 + 2 * 2, 48 + 2 * (1 + 8 * (3 + 1 + 6 * 4))]));
+}
+
+fn motions(line: &[u8]) -> Vec<MotionPacket> {
+    let motion = |packet| match packet {
+        Packet::Motion(motion) => Some(motion),
+        _ => None,
+    };
+    desktop::packets(line).into_iter().filter_map(motion).collect()
 }
 
 fn observations(packets: &[Packet]) -> Vec<&ObservationPacket> {

@@ -30,7 +30,7 @@ fn picture(missing: usize) -> io::Result<Event> {
             bytes.truncate(bytes.len() - missing);
             Some(event.clone())
         }
-        Event::Line(_) | Event::Pause(_) => None,
+        Event::Line(_) | Event::Pause(_) | Event::Case(_) => None,
     });
     picture.ok_or(io::ErrorKind::NotFound.into())
 }

@@ -1,77 +1,14 @@
 //! The tables of `hil-fixtures/data/puma560` and of the whole set they were taken from.
 #![allow(dead_code, reason = "each test file uses its part")]
 
-use nalgebra::{Matrix3, Vector3};
-use std::collections::{BTreeMap, HashMap};
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use tetrad_core::arm::puma560::{Fixed, Joints, Passages, Policy, Puma560};
 use tetrad_core::config::PumaConfig;
 use tetrad_core::geometry::Pose;
 use tetrad_core::real::Real;
-
-/// A table with named columns.
-pub(crate) struct Table {
-    pub(crate) columns: HashMap<String, usize>,
-    pub(crate) rows: Vec<Vec<String>>,
-}
-
-/// One row of it.
-pub(crate) struct Row<'a> {
-    table: &'a Table,
-    cells: &'a [String],
-}
-
-impl Table {
-    pub(crate) fn read(path: &Path) -> Self {
-        let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-        let mut rows = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
-        let head = rows.next().unwrap_or_else(|| panic!("{}: empty", path.display()));
-        let columns = head.into_iter().enumerate().map(|(i, name)| (name, i)).collect();
-        Self { columns, rows: rows.collect() }
-    }
-
-    pub(crate) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
-        self.rows.iter().map(|cells| Row { table: self, cells })
-    }
-}
-
-impl Row<'_> {
-    pub(crate) fn text(&self, column: &str) -> &str {
-        &self.cells[self.table.columns[column]]
-    }
-
-    pub(crate) fn number(&self, column: &str) -> f64 {
-        self.text(column).parse().unwrap_or_else(|_| panic!("{column}: {:?}", self.text(column)))
-    }
-
-    pub(crate) fn joints(&self, prefix: &str) -> Joints<f64> {
-        std::array::from_fn(|i| self.number(&format!("{prefix}q{}", i + 1)))
-    }
-
-    pub(crate) fn matrix(&self, prefix: &str) -> Matrix3<f64> {
-        Matrix3::from_fn(|i, j| self.number(&format!("{prefix}{}{}", i + 1, j + 1)))
-    }
-
-    pub(crate) fn pose(&self) -> Pose<f64> {
-        let translation = Vector3::from_fn(|i, _| self.number(&format!("T{}4", i + 1)));
-        Pose { rotation: self.matrix("T"), translation }
-    }
-
-    pub(crate) fn name(&self) -> String {
-        format!("row {} ({} {})", self.text("id"), self.text("kind"), self.text("tag"))
-    }
-
-    pub(crate) fn is(&self, kind: &str) -> bool {
-        self.text("kind") == kind
-    }
-
-    /// Whether a factor of det J is 0, as exactly as it was computed.
-    pub(crate) fn is_singular(&self) -> bool {
-        self.is("singular") && !self.text("tag").contains("near")
-            || self.is("named")
-                && ["f_wrist", "f_elbow", "f_shoulder"].iter().any(|f| self.number(f).abs() < 1e-9)
-    }
-}
+use tetrad_fixtures::puma560::Table;
 
 /// The folders that can be compared with: the repository's own, and the whole set if it is there.
 pub(crate) fn folders(test: &str) -> Vec<PathBuf> {

@@ -12,9 +12,9 @@
 //! | 1 | the camera's number |
 //! | 1 | 0 played at once, to the end of the run; 1 live: see [`Asked`] |
 //!
-//! and then records: 4 bytes kind (1 a picture, 2 bytes of the serial line, 3 a pause), 4 bytes length, 8
-//! bytes capture time (or how long the pause is) and 4 bytes until it was ready, microseconds (0 for bytes of
-//! the line), and as many bytes as the length says.
+//! and then records: 4 bytes kind (1 a picture, 2 bytes of the serial line, 3 a pause, 4 a case of the arm), 4
+//! bytes length, 8 bytes capture time (or how long the pause is) and 4 bytes until it was ready, microseconds (0
+//! where it is no picture), and as many bytes as the length says.
 
 use crate::capture::{NoPicture, Sensor};
 use crate::handover::{Captured, Inputs, PictureBuffer};
@@ -28,6 +28,7 @@ use embassy_time::Timer;
 use semihosting::fs::File;
 use semihosting::io::{self, Read as _};
 use tetrad_core::config::TrackerConfig;
+use tetrad_core::hand::tracker::HandMode;
 use tetrad_core::vision::frame::PixelFormat;
 use tetrad_core::wire::{BadPicture, Command, CommandPacket};
 
@@ -38,6 +39,7 @@ const MAGIC: &[u8; 8] = b"TETRADT1";
 const PICTURE: u32 = 1;
 const LINE: u32 = 2;
 const PAUSE: u32 = 3;
+const CASE: u32 = 4;
 
 /// What the head says.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +52,8 @@ pub struct Head {
     pub format: PixelFormat,
     /// How balls are tracked.
     pub tracker: TrackerConfig,
+    /// How the hand's pose is computed.
+    pub hand: HandMode,
     /// The camera's place in the list of views.
     pub camera: u8,
     /// Whether the serial line decides when it is played.
@@ -144,11 +148,16 @@ impl Tape {
         if [m0, m1, m2, m3, m4, m5, m6, m7] != *MAGIC {
             return None;
         }
+        let (tracker, hand) = match mode {
+            0 => (TrackerConfig::paper(), HandMode::Paper),
+            _ => (TrackerConfig::default(), HandMode::Refined),
+        };
         let head = Head {
             width: u16::from_le_bytes([w0, w1]),
             height: u16::from_le_bytes([h0, h1]),
             format: *PixelFormat::ALL.get(usize::from(format))?,
-            tracker: if mode == 0 { TrackerConfig::paper() } else { TrackerConfig::default() },
+            tracker,
+            hand,
             camera,
             live: live == 1,
         };
@@ -199,6 +208,7 @@ impl Tape {
             PICTURE => Record::Picture(Captured { length, width, height, format, capture_us, ready_us }),
             LINE => Record::Line(length),
             PAUSE => Record::Pause(capture_us),
+            CASE => Record::Case(length),
             _ => Record::Unknown,
         })
     }
@@ -219,6 +229,8 @@ pub enum Record {
     Line(usize),
     /// Nothing, for so many microseconds.
     Pause(u64),
+    /// So many bytes of a case of the arm, which a camera has nothing to do with.
+    Case(usize),
     /// There were more bytes than the buffer has room for.
     TooLong,
     /// Of another version of the format.
@@ -247,7 +259,7 @@ impl Player {
                 }
                 Record::Pause(us) => Timer::after_micros(us).await,
                 Record::TooLong => return Err(NoPicture::Bad(BadPicture::Length)),
-                Record::Unknown => {}
+                Record::Case(_) | Record::Unknown => {}
             }
         }
     }
