@@ -36,7 +36,7 @@ fn main() -> ! {
         match record {
             Record::Line(length) => hand.take(buffer.0.get(..length).unwrap_or_default(), &mut answer),
             Record::Case(length) => arm.answer(buffer.0.get(..length).unwrap_or_default(), &mut answer),
-            Record::Picture(_) | Record::TooLong | Record::Unknown => {}
+            Record::Picture(_) | Record::Pause(_) | Record::TooLong | Record::Unknown => {}
         }
     }
     process::exit(0)

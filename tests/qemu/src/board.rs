@@ -53,12 +53,24 @@ impl Build {
     /// # Errors
     /// Nobody has said where the programs are.
     pub fn program(self, name: &str) -> io::Result<PathBuf> {
+        Ok(self.folder()?.join(name))
+    }
+
+    /// The paths of all its programs.
+    ///
+    /// # Errors
+    /// As [`Build::program`], or there is no such folder.
+    pub fn programs(self) -> io::Result<Vec<PathBuf>> {
+        fs::read_dir(self.folder()?)?.map(|entry| Ok(entry?.path())).collect()
+    }
+
+    fn folder(self) -> io::Result<PathBuf> {
         let folder = match self {
             Self::CortexM4F => "cortex-m4f",
             Self::CortexM7 => "cortex-m7",
             Self::Logging => "logging",
         };
-        Ok(programs()?.join(folder).join(name))
+        Ok(programs()?.join(folder))
     }
 }
 

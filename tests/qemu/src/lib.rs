@@ -12,7 +12,8 @@
 //! | a board whose serial line somebody is at | `live` |
 //! | what a line carries beside good commands | `garbage` |
 //! | what a board logs, with the feature `boards` | `log` |
-//! | how much memory a program takes | `elf` |
+//! | how much memory a program takes, and where its code is | `elf` |
+//! | instructions that round once where others round twice | `fused` |
 //!
 //! The runs are in `tests/`, behind the feature `boards`: `cargo verify --only firmware-qemu` builds the
 //! firmware and runs them.
@@ -22,6 +23,7 @@ pub mod board;
 pub mod clip;
 pub mod desktop;
 pub mod elf;
+pub mod fused;
 pub mod garbage;
 pub mod hand;
 pub mod live;

@@ -14,7 +14,7 @@ use std::{env, fs, io};
 use tetrad_fixtures::golden::blessing;
 use tetrad_qemu::board::{Build, Target};
 use tetrad_qemu::clip::Sequence;
-use tetrad_qemu::elf;
+use tetrad_qemu::elf::{Program, Sizes};
 use tetrad_qemu::tape::Tape;
 
 /// Names the file for what was measured, which `cargo verify` prints.
@@ -71,8 +71,8 @@ fn measured() -> io::Result<Figures> {
             said += &target.run("mps2-hand", folder.path(), COUNTING)?;
         }
         said += &target.play(&tape)?.1;
-        let camera = elf::sizes(&target.build.program("mps2-camera")?)?;
-        let core = elf::sizes(&target.build.program("core-alone")?)?;
+        let [camera, core] = ["mps2-camera", "core-alone"].map(|name| sizes(target.build, name));
+        let (camera, core) = (camera?, core?);
         let _ = write!(said, "core-flash {} bytes\ncamera-flash {} bytes\n", core.flash, camera.flash);
         let _ = writeln!(said, "camera-ram {} bytes", camera.ram);
         for (name, value) in said.lines().filter_map(figure) {
@@ -80,6 +80,10 @@ fn measured() -> io::Result<Figures> {
         }
     }
     Ok(figures)
+}
+
+fn sizes(build: Build, name: &str) -> io::Result<Sizes> {
+    Program::new(&fs::read(build.program(name)?)?)?.sizes()
 }
 
 /// `name value unit` as name and unit, and the value.

@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 use tetrad_fixtures::golden::blessing;
-use tetrad_qemu::elf::{Segment, segments};
+use tetrad_qemu::elf::{Program, Segment};
 
 /// Names the program; `cargo verify` sets it.
 const PROGRAM: &str = "TETRAD_STM32H743";
@@ -34,7 +34,7 @@ fn program() -> io::Result<Vec<Segment>> {
     let path = env::var_os(PROGRAM).map(PathBuf::from).ok_or_else(|| {
         io::Error::other(format!("{PROGRAM} is not set: run `cargo verify --only firmware-stm32h743`"))
     })?;
-    segments(&path)
+    Program::new(&fs::read(path)?)?.segments()
 }
 
 /// The segments of a memory.
