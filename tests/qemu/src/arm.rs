@@ -1,5 +1,6 @@
 //! The arm's cases as a tape: every row of the repository's table, also those out of reach.
 
+use crate::clip::FORMAT;
 use crate::tape::{Event, Mode, Tape};
 use tetrad_fixtures::golden::data;
 use tetrad_fixtures::puma560::{Row, Table};
@@ -9,7 +10,7 @@ use tetrad_fixtures::puma560::{Row, Table};
 pub fn tape() -> Tape {
     let table = Table::read(&data("puma560/cases.csv"));
     let events = table.rows().map(|row| Event::Case(case(&row))).collect();
-    Tape { size: (0, 0), mode: Mode::Refined, events }
+    Tape { size: (0, 0), format: FORMAT, mode: Mode::Refined, events }
 }
 
 /// As [`crate::probes::CASE_BYTES`] says.

@@ -88,5 +88,45 @@ pub fn sequences() -> [Sequence; 9] {
     ]
 }
 
+/// A few frames of every other scene: at rest and at its fastest, a ball while it is covered, dimmed or half
+/// hidden. Balls of three pixels and less are not learnt, and so not tracked.
+#[must_use]
+pub fn others() -> [Sequence; 29] {
+    let sequence = |scene, frames: &[usize]| Sequence { scene, frames: frames.to_vec() };
+    let resting = |scene| sequence(scene, &[1, 2, 3]);
+    let moving = |scene| sequence(scene, &[20, 21, 22, 23]);
+    [
+        resting("still"),
+        sequence("cover", &[40, 52, 60, 98]),
+        sequence("dimming", &[30, 60, 90, 120, 150]),
+        sequence("finger", &[38, 41, 44, 60]),
+        resting("static-5px"),
+        resting("static-8px"),
+        resting("static-16px"),
+        resting("static-24px"),
+        resting("static-32px"),
+        resting("static-48px"),
+        resting("static-65px"),
+        resting("static-side-5px"),
+        resting("static-side-8px"),
+        resting("static-side-12px"),
+        resting("static-side-16px"),
+        resting("static-side-24px"),
+        resting("static-side-32px"),
+        resting("static-side-65px"),
+        moving("linear-0.25-30fps"),
+        moving("linear-0.25-10fps"),
+        moving("linear-0.5-30fps"),
+        moving("linear-0.5-10fps"),
+        moving("linear-0.7-30fps"),
+        moving("circular-0.25-30fps"),
+        moving("circular-0.25-10fps"),
+        moving("circular-0.5-30fps"),
+        moving("circular-0.5-10fps"),
+        moving("circular-0.7-30fps"),
+        moving("circular-0.7-10fps"),
+    ]
+}
+
 /// The scene in which all balls are hidden until they are lost, and found again.
 pub const COVERED: &str = "cover-all";

@@ -1,11 +1,10 @@
 //! What the desktop makes of a tape: the bytes that a board has to send.
 
-use crate::clip::FORMAT;
 use crate::probes::{Arm, Hand};
 use crate::tape::{Event, Tape};
 use tetrad_core::config::LearnConfig;
 use tetrad_core::node::{Node, NodeConfig};
-use tetrad_core::vision::frame::FrameView;
+use tetrad_core::vision::frame::{FrameView, PixelFormat};
 use tetrad_core::wire::{Decoder, MAX_FRAME_LEN, Packet, encode};
 
 /// The session of what is played from a tape.
@@ -17,6 +16,7 @@ pub struct Camera {
     node: Node,
     decoder: Decoder,
     size: (u16, u16),
+    format: PixelFormat,
     line: Vec<u8>,
 }
 
@@ -30,7 +30,7 @@ impl Camera {
         let (tracker, learn) = (tape.mode.tracker(), LearnConfig::default());
         let config = NodeConfig { camera: 0, session: SESSION, tracker, learn, started: false };
         let node = Node::new(&config).expect("core's own settings");
-        Self { node, decoder: Decoder::new(), size: tape.size, line: vec![0] }
+        Self { node, decoder: Decoder::new(), size: tape.size, format: tape.format, line: vec![0] }
     }
 
     /// Takes what comes next.
@@ -53,9 +53,8 @@ impl Camera {
                     notice.into_iter().for_each(|notice| send(notice.into()));
                 }
             }
-            // the desktop has no watchdog to wait for
             Event::Picture(capture_us, bytes) => {
-                match FrameView::packed(bytes, self.size.0, self.size.1, FORMAT) {
+                match FrameView::packed(bytes, self.size.0, self.size.1, self.format) {
                     Ok(view) => {
                         let seen = self.node.picture(&view, *capture_us, 0);
                         seen.notices.into_iter().for_each(|notice| send(notice.into()));
@@ -64,6 +63,7 @@ impl Camera {
                     Err(error) => send(self.node.refuse(error.into()).into()),
                 }
             }
+            // the desktop has no watchdog to wait for
             Event::Pause(_) | Event::Case(_) => {}
         }
     }

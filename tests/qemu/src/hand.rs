@@ -1,6 +1,6 @@
 //! What two smart cameras saw of a hand, and an operator's presses, as a tape.
 
-use crate::clip::{COVERED, Sequence};
+use crate::clip::{COVERED, FORMAT, Sequence};
 use crate::desktop;
 use crate::tape::{Event, Mode, Tape};
 use tetrad_core::observation::{BALLS, Observation};
@@ -62,7 +62,7 @@ impl Shown {
             }
             events.extend([left, right].map(|seen| Event::packet(&seen.into())));
         }
-        Tape { size: (0, 0), mode, events }
+        Tape { size: (0, 0), format: FORMAT, mode, events }
     }
 
     /// What a smart camera tells of its pictures.

@@ -4,6 +4,8 @@
 //! |---|---|
 //! | scenes small enough for a microcontroller's sensor | `clip` |
 //! | pictures and commands as the firmware reads them | `tape` |
+//! | balls a camera is told of instead of learning them, as a tape | `given` |
+//! | the repository's recorded frames, as a tape | `recorded` |
 //! | what two cameras saw of a hand, as a tape | `hand` |
 //! | the arm's cases, as a tape | `arm` |
 //! | what the desktop makes of a tape | `desktop` |
@@ -25,10 +27,12 @@ pub mod desktop;
 pub mod elf;
 pub mod fused;
 pub mod garbage;
+pub mod given;
 pub mod hand;
 pub mod live;
 #[cfg(feature = "boards")]
 pub mod log;
 #[path = "../../../firmware/src/probes.rs"]
 pub mod probes;
+pub mod recorded;
 pub mod tape;

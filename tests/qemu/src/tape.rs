@@ -84,6 +84,8 @@ impl Event {
 pub struct Tape {
     /// Width and height of all pictures, pixels.
     pub size: (u16, u16),
+    /// How their pixels lie.
+    pub format: PixelFormat,
     /// How everything is computed.
     pub mode: Mode,
     /// What comes, in order.
@@ -123,7 +125,7 @@ impl Tape {
         events.push(told(Command::Stop));
         // nothing comes of it: the camera was stopped
         events.push(Event::Picture(clip.time_us(0), clip.picture(0)));
-        Self { size: clip.size(), mode: Mode::Refined, events }
+        Self { size: clip.size(), format: FORMAT, mode: Mode::Refined, events }
     }
 
     /// The pictures of a sequence and nothing else: what a live tape has, whose commands come over the line.
@@ -153,7 +155,7 @@ impl Tape {
         let mut bytes = b"TETRADT1".to_vec();
         bytes.extend(self.size.0.to_le_bytes());
         bytes.extend(self.size.1.to_le_bytes());
-        let format = PixelFormat::ALL.iter().position(|format| *format == FORMAT).unwrap_or_default();
+        let format = PixelFormat::ALL.iter().position(|format| *format == self.format).unwrap_or_default();
         bytes.extend([format as u8, u8::from(self.mode == Mode::Refined), 0, 0]);
         for event in &self.events {
             let (kind, time_us, content): (u32, u64, &[u8]) = match event {

@@ -3,28 +3,57 @@
 
 use std::io;
 use tetrad_qemu::board::Target;
-use tetrad_qemu::clip::{Sequence, sequences};
-use tetrad_qemu::desktop;
+use tetrad_qemu::clip::{Sequence, others, sequences};
 use tetrad_qemu::tape::{Event, Mode, Tape};
+use tetrad_qemu::{desktop, given, recorded};
 
 /// Compares boards with the desktop, in both modes.
 fn check(sequence: &Sequence, targets: &[Target]) -> io::Result<()> {
-    let mut tape = Tape::of(sequence);
-    for mode in Mode::ALL {
-        tape.mode = mode;
-        let expected = desktop::line(&tape);
-        for target in targets {
-            let (line, _) = target.play(&tape)?;
-            // packets first: what differs is then told in words
-            let (theirs, ours) = (desktop::packets(&line), desktop::packets(&expected));
-            for (their, our) in theirs.iter().zip(&ours) {
-                assert_eq!(their, our, "{target:?}, {mode:?}, {}", sequence.scene);
-            }
-            assert_eq!(theirs.len(), ours.len(), "{target:?}, {mode:?}, {}: packets", sequence.scene);
-            assert!(line == expected, "{target:?}, {mode:?}, {}: bytes between packets", sequence.scene);
+    let tape = Tape::of(sequence);
+    Mode::ALL
+        .into_iter()
+        .try_for_each(|mode| compare(sequence.scene, &Tape { mode, ..tape.clone() }, targets))
+}
+
+/// Plays a tape on boards, and compares what they send with what the desktop would.
+fn compare(name: &str, tape: &Tape, targets: &[Target]) -> io::Result<()> {
+    let (mode, expected) = (tape.mode, desktop::line(tape));
+    for target in targets {
+        let (line, _) = target.play(tape)?;
+        // packets first: what differs is then told in words
+        let (theirs, ours) = (desktop::packets(&line), desktop::packets(&expected));
+        for (their, our) in theirs.iter().zip(&ours) {
+            assert_eq!(their, our, "{target:?}, {mode:?}, {name}");
         }
+        assert_eq!(theirs.len(), ours.len(), "{target:?}, {mode:?}, {name}: packets");
+        assert!(line == expected, "{target:?}, {mode:?}, {name}: bytes between packets");
     }
     Ok(())
+}
+
+/// Every second of the other scenes, from the first or the second on.
+fn check_others(first: usize) -> io::Result<()> {
+    others().iter().skip(first).step_by(2).try_for_each(|sequence| check(sequence, &Target::OWN))
+}
+
+#[test]
+fn half_of_the_other_scenes() -> io::Result<()> {
+    check_others(0)
+}
+
+#[test]
+fn the_other_half() -> io::Result<()> {
+    check_others(1)
+}
+
+#[test]
+fn balls_that_a_camera_is_told_of() -> io::Result<()> {
+    compare("given", &given::tape(&Sequence { scene: "demo", frames: (1..6).collect() }), &Target::OWN)
+}
+
+#[test]
+fn recorded_frames() -> io::Result<()> {
+    compare("recorded", &recorded::tape(), &Target::OWN)
 }
 
 macro_rules! sequences {

@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::ObservationState;
 use tetrad_core::wire::{MotionPacket, Notice, ObservationPacket, Packet};
-use tetrad_qemu::clip::{COVERED, Sequence, sequences};
+use tetrad_fixtures::Scene;
+use tetrad_qemu::clip::{COVERED, Sequence, others, sequences};
 use tetrad_qemu::hand::shown;
 use tetrad_qemu::probes::CASE_BYTES;
 use tetrad_qemu::tape::{Event, Mode, Tape};
-use tetrad_qemu::{arm, desktop};
+use tetrad_qemu::{arm, desktop, given, recorded};
 
 #[test]
 fn what_is_compared_is_of_balls_that_are_seen() {
@@ -51,6 +52,55 @@ fn balls_are_hidden_lost_and_found_in_what_is_compared() {
         let last = seen.last().map(|seen| seen.balls);
         assert!(last.iter().flatten().all(|ball| ball.state.is_measured()), "{mode:?}: {last:?}");
     }
+}
+
+#[test]
+fn every_scene_is_compared_once() {
+    let shown: Vec<_> = sequences().into_iter().chain(others()).map(|sequence| sequence.scene).collect();
+    for (name, _) in Scene::names() {
+        let times = shown.iter().filter(|scene| **scene == name).count();
+        assert_eq!(times, 1, "{name}");
+    }
+}
+
+#[test]
+fn few_of_the_other_scenes_have_balls_too_small_to_be_tracked() {
+    let untracked: Vec<_> = others()
+        .iter()
+        .filter(|sequence| {
+            let packets = desktop::packets(&desktop::line(&Tape::of(sequence)));
+            let measured = |seen: &&ObservationPacket| seen.balls.iter().any(|ball| ball.state.is_measured());
+            observations(&packets).iter().filter(|seen| measured(seen)).count() <= sequence.frames.len()
+        })
+        .map(|sequence| sequence.scene)
+        .collect();
+    assert_eq!(untracked, ["static-5px", "static-side-5px"]);
+}
+
+#[test]
+fn balls_that_a_camera_is_told_of_are_seen() {
+    let tape = given::tape(&Sequence { scene: "demo", frames: (1..6).collect() });
+    let packets = desktop::packets(&desktop::line(&tape));
+    let count = |is: fn(&Notice) -> bool| {
+        let notices = packets.iter().filter_map(|packet| match packet {
+            Packet::Notice(told) => Some(told.notice),
+            _ => None,
+        });
+        notices.filter(is).count()
+    };
+    assert_eq!(count(|notice| matches!(notice, Notice::Untaught { .. })), 4, "windows of unknown balls");
+    assert_eq!(count(|notice| *notice == Notice::Done), 8 + 3, "both of each; start, self-test, stop");
+    let seen = observations(&packets);
+    assert_eq!(seen.len(), 6);
+    assert!(seen.iter().flat_map(|seen| &seen.balls).all(|ball| ball.state.is_measured()), "{seen:?}");
+}
+
+#[test]
+fn balls_of_the_recorded_frames_are_seen() {
+    let packets = desktop::packets(&desktop::line(&recorded::tape()));
+    let seen = observations(&packets);
+    assert_eq!(seen.len(), 6);
+    assert!(seen.iter().flat_map(|seen| &seen.balls).all(|ball| ball.state.is_measured()), "{packets:?}");
 }
 
 #[test]
