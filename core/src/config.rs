@@ -5,6 +5,7 @@
 //! prediction is trusted) are named constants at the top of the file that uses them.
 
 mod arm;
+mod canopen;
 mod centre;
 mod drives;
 mod filter;
@@ -15,6 +16,7 @@ mod slave;
 mod teleop;
 
 pub use arm::{FLANGE_M, JOINTS, JointConfig, PumaConfig, PumaConfigError, PumaLengths};
+pub use canopen::{CanopenConfig, CanopenConfigError, Homing};
 pub use centre::{CentreConfig, CentreMode};
 pub use drives::{DriveConfig, DrivesConfig, DrivesConfigError};
 pub use filter::{

@@ -14,7 +14,8 @@
 //! | as a device sends it | `formats` | RGB888 -> every pixel format of `tetrad-core` |
 //! | what it was last time | `golden` | name, hash -> equal or not |
 //!
-//! Beside that, packets as stations send them ([`packets`]), and tables of the arm ([`puma560`]).
+//! Beside that, packets as stations send them ([`packets`]), tables of the arm ([`puma560`]), and a drive of one
+//! ([`drive`]).
 //!
 //! Conventions: world x towards the cameras, y to the right as they see it, z up; metres, seconds,
 //! radians. A camera looks along its z, x right, y down. Pixel centres are at integers, (0, 0) the
@@ -31,6 +32,7 @@
 
 mod background;
 mod camera;
+pub mod drive;
 mod formats;
 pub mod golden;
 mod light;

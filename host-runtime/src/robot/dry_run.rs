@@ -6,7 +6,6 @@
 
 use super::Robot;
 use super::clock::Clock;
-use super::set_point::SetPointGate;
 use super::start::start_joints;
 use crate::output::{CsvFile, OutputError};
 use std::fs::File;
@@ -14,6 +13,7 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use tetrad_core::arm::port::{JointReading, PortError, PortStatus, RobotPort};
 use tetrad_core::arm::puma560::Joints;
+use tetrad_core::arm::set_point::SetPointGate;
 use tetrad_core::config::PumaConfig;
 
 /// How long it goes without a set-point before it says so, microseconds: 100 ms as for commands, or two

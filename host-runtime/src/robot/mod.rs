@@ -8,7 +8,7 @@
 //! | six CiA 402 drives on a CAN bus | [`canopen`] | `canopen:INTERFACE`, `canopen+slcan:DEVICE` |
 //!
 //! [`address`] understands the address, [`open`] opens the port. All of them keep the contract of
-//! [`tetrad_core::arm::port`]; [`set_point`] is the part of it that is the same everywhere.
+//! [`tetrad_core::arm::port`].
 
 pub mod address;
 
@@ -19,8 +19,6 @@ pub mod lateness;
 pub(crate) mod query;
 
 mod serial;
-
-pub mod set_point;
 
 pub(crate) mod start;
 
@@ -34,13 +32,13 @@ pub mod canopen;
 
 pub use address::{AddressError, RobotAddress, RobotKind};
 
-use canopen::CanopenConfig;
 use dry_run::DryRun;
 use simulated::SimulatedArm;
 use std::error::Error;
 use std::time::Instant;
-use tetrad_core::arm::port::RobotPort;
-use tetrad_core::config::{PumaConfig, PumaConfigError};
+use tetrad_core::arm::port::{JointReading, PortError, PortStatus, RobotPort};
+use tetrad_core::arm::puma560::Joints;
+use tetrad_core::config::{CanopenConfig, PumaConfig, PumaConfigError};
 
 /// A port as the host drives it: it can say more than the microcontroller's.
 pub trait Robot: RobotPort<f64> + Send {
@@ -73,6 +71,29 @@ pub trait Robot: RobotPort<f64> + Send {
     /// Lines for the end of a run: rates, jitter.
     fn report(&self) -> Vec<String> {
         Vec::new()
+    }
+}
+
+/// A slave drives whatever it is.
+impl RobotPort<f64> for Box<dyn Robot> {
+    fn read_joints(&mut self) -> Result<JointReading<f64>, PortError> {
+        (**self).read_joints()
+    }
+
+    fn write_set_point(&mut self, joints: &Joints<f64>) -> Result<(), PortError> {
+        (**self).write_set_point(joints)
+    }
+
+    fn enable(&mut self) -> Result<(), PortError> {
+        (**self).enable()
+    }
+
+    fn stop(&mut self) -> Result<(), PortError> {
+        (**self).stop()
+    }
+
+    fn status(&self) -> PortStatus {
+        (**self).status()
     }
 }
 
@@ -140,7 +161,6 @@ pub fn open(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tetrad_core::arm::port::PortStatus;
 
     fn open_text(text: &str) -> Result<Box<dyn Robot>, RobotError> {
         open(&text.parse().unwrap(), &PumaConfig::default(), &CanopenConfig::default(), 10_000)

@@ -24,13 +24,12 @@ pub(super) use teleop::TeleopToml;
 
 use super::file::{self, FileToml, Problem, SettingsError};
 use super::station::SceneCameraToml;
-use crate::robot::canopen::CanopenConfig;
 use crate::robot::{AddressError, RobotAddress};
 use nalgebra::{Matrix3, Rotation3};
 use serde::Deserialize;
 use std::fmt;
 use std::path::Path;
-use tetrad_core::config::{SlaveConfig, SlaveConfigError};
+use tetrad_core::config::{CanopenConfig, SlaveConfig, SlaveConfigError};
 
 /// What a slave station and the commands about the arm are set to.
 #[derive(Clone, Debug, Default, PartialEq)]

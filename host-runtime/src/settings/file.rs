@@ -5,10 +5,10 @@
 
 use super::arm::{ArmToml, GovernorToml, SlaveToml, TeleopToml, WorkspaceToml};
 use super::station::{CameraToml, ConsoleToml, OperatorToml, PeerToml, StationToml};
-use crate::robot::canopen::CanopenConfig;
 use crate::text_file;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
+use tetrad_core::config::CanopenConfig;
 
 /// Why a file of settings is refused.
 #[derive(Debug, thiserror::Error)]

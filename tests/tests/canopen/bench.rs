@@ -1,11 +1,10 @@
 //! Master and drives on one bus in simulated time.
 
-use super::drive::{Drive, Status};
-use tetrad::robot::canopen::frame::Frame;
-use tetrad::robot::canopen::master::Master;
-use tetrad::robot::canopen::{CanopenConfig, Cause};
+use tetrad_core::arm::canopen::Frame;
+use tetrad_core::arm::canopen::master::Master;
 use tetrad_core::arm::port::PortStatus;
-use tetrad_core::config::PumaConfig;
+use tetrad_core::config::{CanopenConfig, PumaConfig};
+use tetrad_fixtures::drive::{Drive, Status};
 
 pub(crate) const PERIOD_US: u64 = 10_000;
 
@@ -91,7 +90,7 @@ impl Bench {
     }
 
     pub(crate) fn reason(&self) -> String {
-        self.master.cause().map(Cause::to_string).unwrap_or_default()
+        self.master.cause().map(|cause| cause.to_string()).unwrap_or_default()
     }
 
     /// Every drive but `except` is without torque or braking, and comes to rest.

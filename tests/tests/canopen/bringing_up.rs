@@ -1,9 +1,9 @@
 //! From power on to following set-points.
 
 use super::bench::{Bench, START};
-use super::drive::{Nmt, Status};
-use tetrad::robot::canopen::{CanopenConfig, Homing};
 use tetrad_core::arm::port::PortStatus;
+use tetrad_core::config::{CanopenConfig, Homing};
+use tetrad_fixtures::drive::{Nmt, Status};
 
 #[test]
 fn drives_are_set_up_without_torque_and_enabled_when_asked() {

@@ -1,10 +1,10 @@
 //! Whatever fails: a named state, the arm at rest, a message that says what to do, no jump on return.
 
 use super::bench::{Bench, START};
-use super::drive::{Drive, Status};
-use tetrad::robot::canopen::CanopenConfig;
-use tetrad::robot::canopen::frame::Frame;
+use tetrad_core::arm::canopen::Frame;
 use tetrad_core::arm::port::{PortFault, PortStatus};
+use tetrad_core::config::CanopenConfig;
+use tetrad_fixtures::drive::{Drive, Status};
 
 fn fault(joint: u8, code: u32) -> PortStatus {
     PortStatus::Fault(PortFault { joint: Some(joint), code })
@@ -97,7 +97,7 @@ fn a_node_that_falls_silent_in_motion_stops_the_others() {
     bench.assert_others_stop(Some(5));
     assert!(bench.master.is_partly_lost());
     bench.steps(20);
-    let reason = bench.master.reason().unwrap();
+    let reason = bench.master.reason().unwrap().to_string();
     assert!(
         reason.contains("; stopped: joints 1, 2, 3, 4, 5; not known to have stopped: joint 6, "),
         "{reason}"

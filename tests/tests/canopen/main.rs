@@ -3,8 +3,6 @@
 
 mod bench;
 
-mod drive;
-
 mod bringing_up;
 
 mod failing;
@@ -16,3 +14,5 @@ mod hub;
 mod peers;
 
 mod port;
+
+mod threadless;

@@ -1,7 +1,6 @@
 //! Against PyPI `canopen`, which nobody here wrote: as six drives, and as the master of one of ours.
 //! Over CAN adapters at pseudo terminals, in real time.
 
-use super::drive::{Drive, Status};
 use super::hub::Hub;
 use super::port::{set_points, wait_for};
 use serde_json::Value;
@@ -12,10 +11,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 use tetrad::robot::Robot as _;
 use tetrad::robot::canopen::bus::open_slcan;
-use tetrad::robot::canopen::{CanopenConfig, CanopenPort, open};
+use tetrad::robot::canopen::{CanopenPort, open};
 use tetrad_core::arm::port::{PortFault, PortStatus, RobotPort as _};
 use tetrad_core::arm::puma560::{Counts, Drives, Joints};
-use tetrad_core::config::{DrivesConfig, PumaConfig};
+use tetrad_core::config::{CanopenConfig, DrivesConfig, PumaConfig};
+use tetrad_fixtures::drive::{Drive, Status};
 use tetrad_tests::{peers, repository, skip};
 
 /// Away from zero, so that wrong signs and places show.

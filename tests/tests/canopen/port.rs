@@ -1,7 +1,6 @@
 //! The port with its threads, on a bus in memory with our own drives: the contract of
 //! `tetrad_core::arm::port`.
 
-use super::drive::{Drive, Status};
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -9,10 +8,11 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use tetrad::robot::Robot as _;
 use tetrad::robot::canopen::bus::{Bus, in_memory};
-use tetrad::robot::canopen::{CanopenConfig, CanopenError, CanopenPort};
+use tetrad::robot::canopen::{CanopenError, CanopenPort};
 use tetrad_core::arm::port::{PortError, PortFault, PortStatus, RobotPort as _};
 use tetrad_core::arm::puma560::{Counts, Drives, Joints};
-use tetrad_core::config::{DrivesConfig, PumaConfig};
+use tetrad_core::config::{CanopenConfig, DrivesConfig, PumaConfig};
+use tetrad_fixtures::drive::{Drive, Status};
 
 const START: Joints<f64> = [0.0, 0.785, -3.1, 0.0, 0.785, 0.0];
 

@@ -9,13 +9,13 @@ mod slcan;
 mod socket;
 
 pub use memory::in_memory;
-pub use slcan::{Decoder, Line, encode, open as open_slcan};
+pub use slcan::open as open_slcan;
 #[cfg(target_os = "linux")]
 pub use socket::open as open_socket;
 
-use super::frame::Frame;
 use std::io;
 use std::time::Duration;
+use tetrad_core::arm::canopen::Frame;
 
 /// The half that sends.
 pub trait Transmit: Send {

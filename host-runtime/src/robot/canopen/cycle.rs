@@ -15,8 +15,6 @@
 //! by more than a period the count begins anew, so that no SYNC is sent in a hurry.
 
 use super::bus::{Bus, Receive, Transmit};
-use super::frame::Frame;
-use super::master::{Counters, Master};
 use crate::precedence::{Duty, step_forward};
 use crate::robot::lateness::Lateness;
 use std::io;
@@ -25,6 +23,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
+use tetrad_core::arm::canopen::master::{Counters, Master};
+use tetrad_core::arm::canopen::{Cause, Frame};
 use tetrad_core::arm::port::PortStatus;
 use tetrad_core::arm::puma560::Counts;
 
@@ -120,7 +120,8 @@ pub(super) fn spawn(
     let line = Line::new(bus, link)?;
     let link = link.clone();
     let start = Instant::now();
-    let cycle = Cycle { master, opener, line: Some(line), link, start, published: PortStatus::Disabled };
+    let published = PortStatus::Disabled;
+    let cycle = Cycle { master, opener, line: Some(line), link, start, published, lost: String::new() };
     thread::Builder::new().name("canopen-cycle".to_owned()).spawn(move || cycle.run(period))
 }
 
@@ -200,6 +201,8 @@ struct Cycle {
     link: Link,
     start: Instant,
     published: PortStatus,
+    /// What the system said when the bus was lost.
+    lost: String,
 }
 
 impl Cycle {
@@ -255,7 +258,18 @@ impl Cycle {
 
     fn lose(&mut self, error: &io::Error) {
         self.line = None;
-        self.master.lose_bus(error.to_string());
+        self.lost = error.to_string();
+        self.master.lose_bus();
+    }
+
+    /// Why the arm was stopped, in words.
+    fn reason(&self) -> Option<String> {
+        match self.master.cause()? {
+            Cause::Bus => {
+                Some(format!("the CAN bus is gone: {}; check adapter and interface, then enable", self.lost))
+            }
+            _ => self.master.reason().map(|reason| reason.to_string()),
+        }
     }
 
     fn step(&mut self, late: Duration, out: &mut Vec<Frame>) {
@@ -309,7 +323,7 @@ impl Cycle {
             shared.status = status;
         }
         shared.reachable = self.line.is_some() && self.master.is_partly_lost();
-        let reason = self.master.reason();
+        let reason = self.reason();
         if shared.reason != reason {
             shared.reason = reason;
         }
@@ -337,7 +351,7 @@ impl Cycle {
     fn reopen(&mut self) {
         match (self.opener)().and_then(|bus| Line::new(bus, &self.link)) {
             Ok(line) => self.line = Some(line),
-            Err(error) => self.master.lose_bus(error.to_string()),
+            Err(error) => self.lose(&error),
         }
     }
 }

@@ -4,53 +4,26 @@
 //! | job | file |
 //! |---|---|
 //! | which bus | `address` |
-//! | nodes, cycle, homing, counts | `config` |
-//! | frames and their COB-IDs | [`frame`] |
 //! | interface of the kernel, serial adapter, memory | [`bus`] |
-//! | reading and writing objects | [`sdo`] |
-//! | the state machine of a drive | [`cia402`] |
-//! | what is written to a drive first | `setup` |
-//! | one drive as the master sees it | `node` |
-//! | the master: what it makes of frames, what it sends | [`master`] |
-//! | why the arm was stopped, in words | `cause` |
 //! | the thread that owns the bus | `cycle` |
 //! | the robot port | `port` |
 //!
-//! Everything up to the master knows neither clock nor thread: tests run it through every failure in
-//! simulated time.
+//! Frames, drives and their master are [core's](tetrad_core::arm::canopen): a microcontroller has the same.
 
 mod address;
 
-mod config;
-
-pub mod frame;
-
 pub mod bus;
-
-pub mod sdo;
-
-pub mod cia402;
-
-mod setup;
-
-mod cause;
-
-mod node;
-
-pub mod master;
 
 mod cycle;
 
 mod port;
 
 pub use address::CanopenAddress;
-pub use cause::{Cause, DriveName, Foreign, Nonsense};
-pub use config::{CanopenConfig, CanopenConfigError, Homing};
 pub use cycle::Opener;
 pub use port::{CanopenError, CanopenPort};
 
 use std::io;
-use tetrad_core::config::PumaConfig;
+use tetrad_core::config::{CanopenConfig, PumaConfig};
 
 /// Opens the bus at `address` and begins to set up its drives, without voltage on any motor.
 ///
@@ -75,5 +48,22 @@ fn open_bus(address: &CanopenAddress) -> io::Result<bus::Bus> {
             "CAN interfaces of the kernel are Linux's; use an adapter with canopen+slcan:",
         )),
         CanopenAddress::Slcan { path, bitrate, baud } => bus::open_slcan(path, *baud, *bitrate),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tetrad_core::config::{DrivesConfig, Homing};
+
+    #[test]
+    fn the_settings_are_written_as_toml() {
+        let text = "nodes = [11, 12, 13, 14, 15, 16]\nhoming = { status-bit = 14 }\nvendor = 0x1F\n";
+        let read: CanopenConfig = toml::from_str(text).unwrap();
+        assert_eq!(read.nodes[5], 16);
+        assert_eq!((read.homing, read.vendor), (Homing::StatusBit(14), Some(31)));
+        assert_eq!(read.drives(), DrivesConfig::default());
+        assert_eq!(toml::from_str::<CanopenConfig>("homing = 'confirm'").unwrap().homing, Homing::Confirm);
+        assert!(toml::from_str::<CanopenConfig>("node = 3").is_err());
     }
 }

@@ -1,18 +1,17 @@
 //! The robot port: joint angles in radians for whoever drives the arm, counts and threads behind it.
 
 use super::bus::Bus;
-use super::config::{CanopenConfig, CanopenConfigError};
 use super::cycle::{Link, Opener, Request, spawn};
-use super::master::{Counters, Master};
 use crate::robot::Robot;
 use crate::robot::lateness::Lateness;
-use crate::robot::set_point::SetPointGate;
 use std::io;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use tetrad_core::arm::canopen::master::{Counters, Master};
 use tetrad_core::arm::port::{JointReading, PortError, PortStatus, RobotPort};
 use tetrad_core::arm::puma560::{BeyondCounts, Drives, Joints};
-use tetrad_core::config::{JOINTS, PumaConfig, PumaConfigError};
+use tetrad_core::arm::set_point::SetPointGate;
+use tetrad_core::config::{CanopenConfig, CanopenConfigError, JOINTS, PumaConfig, PumaConfigError};
 
 /// For so long after a fault or a loss nobody can have read what it was: enabling is refused, so that a
 /// program that asks again and again does not reset what nobody has seen.
@@ -158,7 +157,7 @@ impl Robot for CanopenPort {
         self.beat = self.link.wait_for_beat(self.beat, due + self.period);
     }
 
-    /// Needed where the configuration says [`Homing::Confirm`](super::Homing::Confirm).
+    /// Needed where the configuration says [`Homing::Confirm`](tetrad_core::config::Homing::Confirm).
     fn confirm_homed(&mut self) {
         self.link.lock().confirm_homed = true;
     }

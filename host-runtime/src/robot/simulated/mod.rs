@@ -20,11 +20,11 @@ pub use plant::{Plant, PlantError};
 
 use super::Robot;
 use super::clock::Clock;
-use super::set_point::SetPointGate;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use switch::{Action, Switch, Trouble};
 use tetrad_core::arm::port::{JointNumber, JointReading, PortError, PortFault, PortStatus, RobotPort};
 use tetrad_core::arm::puma560::Joints;
+use tetrad_core::arm::set_point::SetPointGate;
 use tetrad_core::config::PumaConfig;
 
 /// The port.

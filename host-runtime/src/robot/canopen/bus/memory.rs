@@ -1,10 +1,10 @@
 //! A bus in memory, for tests: each participant receives what the others send, in their order.
 
-use super::super::frame::Frame;
 use super::{Bus, Receive, Transmit};
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
+use tetrad_core::arm::canopen::Frame;
 
 struct Out {
     others: Vec<Sender<Frame>>,

@@ -1,6 +1,5 @@
 //! A CAN interface of the Linux kernel.
 
-use super::super::frame::Frame;
 use super::{Bus, Receive, Transmit};
 use socketcan::{
     CanFrame, CanSocket, EmbeddedFrame as _, Frame as _, Socket as _, SocketOptions as _, StandardId,
@@ -8,6 +7,7 @@ use socketcan::{
 use std::io;
 use std::sync::Arc;
 use std::time::Duration;
+use tetrad_core::arm::canopen::Frame;
 
 /// CAN_ERR_BUSOFF of linux/can/error.h: the controller has left the bus.
 const BUS_OFF: u32 = 0x40;

@@ -1,6 +1,6 @@
 //! The state machine of a CiA 402 drive, as its statusword tells it and its controlword moves it.
 
-use std::fmt;
+use core::fmt;
 
 /// Quick stop: the drive brakes on its own ramp.
 pub const QUICK_STOP: u16 = 0x02;
@@ -20,6 +20,7 @@ pub const CYCLIC_SYNCHRONOUS_POSITION: u8 = 8;
 
 /// Where a drive stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
     /// Starting or testing itself.
     NotReady,
@@ -116,6 +117,7 @@ pub const fn about_error(code: u16) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::vec::Vec;
 
     #[test]
     fn statuswords_are_read_whatever_their_other_bits() {

@@ -1,10 +1,12 @@
 //! What stops the arm: who else sends, and what is told of the drives at the end of each cycle.
 
+use super::super::cause::{Cause, Foreign};
+use super::super::cia402::State;
+use super::super::frame::{Frame, HEARTBEAT, NMT, NmtState, RPDO1, SDO_REQUEST, SYNC};
+use super::super::node::Node;
 use super::{Master, Phase};
-use crate::robot::canopen::cause::{Cause, Foreign};
-use crate::robot::canopen::cia402::State;
-use crate::robot::canopen::frame::{Frame, HEARTBEAT, NMT, NmtState, RPDO1, SDO_REQUEST, SYNC};
-use crate::robot::canopen::node::Node;
+use crate::config::JOINTS;
+use core::fmt;
 
 /// Between the end of the set-up and the first answer to SYNC a drive may take its time: cycles.
 const FIRST_ANSWER_CYCLES: u32 = 100;
@@ -52,25 +54,14 @@ impl Master {
     }
 
     /// Which drives confirmed that they were stopped; `None` where all did or none can be heard.
-    pub(super) fn obedience(&self) -> Option<String> {
-        let obeys = |node: &&Node| {
-            node.missing == 0 && node.state().is_some_and(|state| state != State::OperationEnabled)
-        };
-        let (stopped, other): (Vec<_>, Vec<_>) = self.nodes.iter().partition(obeys);
-        if stopped.is_empty() || other.is_empty() {
-            return None;
+    pub(super) fn obedience(&self) -> Option<Obedience> {
+        let mut stopped = [false; JOINTS];
+        for (stopped, node) in stopped.iter_mut().zip(&self.nodes) {
+            *stopped =
+                node.missing == 0 && node.state().is_some_and(|state| state != State::OperationEnabled);
         }
-        let joints = |nodes: &[&Node]| {
-            let numbers: Vec<_> = nodes.iter().map(|node| node.name.joint.to_string()).collect();
-            let plural = if numbers.len() > 1 { "s" } else { "" };
-            format!("joint{plural} {}", numbers.join(", "))
-        };
-        Some(format!(
-            "stopped: {}; not known to have stopped: {}, which only its drive's own watch or the emergency \
-             stop can stop",
-            joints(&stopped),
-            joints(&other)
-        ))
+        let is_mixed = stopped.contains(&true) && stopped.contains(&false);
+        is_mixed.then_some(Obedience { stopped })
     }
 
     /// Cycles that a drive may go without an answer.
@@ -116,5 +107,35 @@ impl Master {
         if standing.is_none_or(|standing| standing.is_benign() && !cause.is_benign()) {
             self.halt(cause);
         }
+    }
+}
+
+/// Which drives confirmed that they were stopped, and which did not: some of each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Obedience {
+    stopped: [bool; JOINTS],
+}
+
+impl Obedience {
+    /// The joints that did, or those that did not: `joint 2` or `joints 1, 3`.
+    fn joints(&self, stopped: bool, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let numbers = || (1..).zip(&self.stopped).filter(|(_, is)| **is == stopped).map(|(number, _)| number);
+        f.write_str(if numbers().count() > 1 { "joints " } else { "joint " })?;
+        let mut between = "";
+        numbers().try_for_each(|number: u8| {
+            write!(f, "{between}{number}")?;
+            between = ", ";
+            Ok(())
+        })
+    }
+}
+
+impl fmt::Display for Obedience {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("stopped: ")?;
+        self.joints(true, f)?;
+        f.write_str("; not known to have stopped: ")?;
+        self.joints(false, f)?;
+        f.write_str(", which only its drive's own watch or the emergency stop can stop")
     }
 }

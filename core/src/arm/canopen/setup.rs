@@ -1,9 +1,9 @@
 //! What is written to a drive before it may move: PDOs, mode of operation, who watches whom.
 
 use super::cia402::CYCLIC_SYNCHRONOUS_POSITION;
-use super::config::CanopenConfig;
 use super::frame::{RPDO1, TPDO1};
 use super::sdo::{Object, Request};
+use crate::config::CanopenConfig;
 
 /// Low half of 0x1000 for a drive of CiA 402.
 pub(super) const DEVICE_PROFILE_402: u32 = 402;
@@ -22,6 +22,12 @@ const NO_REMOTE: u32 = 1 << 30;
 
 /// Reaction to the loss of the master (0x6007): quick stop.
 const ON_LOSS_QUICK_STOP: u32 = 3;
+
+/// Room for every step.
+const STEPS: usize = 28;
+
+/// The steps of a drive's set-up, in their order.
+pub(super) type Steps = heapless::Vec<Step, STEPS>;
 
 /// A step of the set-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,12 +72,21 @@ const fn write(index: u16, sub: u8, value: u32, bytes: u8) -> Request {
 }
 
 /// The steps for `node`, in their order.
-pub(super) fn steps(config: &CanopenConfig, node: u8) -> Vec<Step> {
-    let mut steps = vec![Step::DeviceType];
-    steps.extend(config.vendor.map(Step::Vendor));
+pub(super) fn steps(config: &CanopenConfig, node: u8) -> Steps {
+    let mut steps = Steps::new();
+    let mut then = |more: &[Step]| {
+        for step in more {
+            // there is room for all: a test counts them
+            let _ = steps.push(*step);
+        }
+    };
+    then(&[Step::DeviceType]);
+    if let Some(vendor) = config.vendor {
+        then(&[Step::Vendor(vendor)]);
+    }
     // who watches whom
     let master = u32::from(config.master) << 16 | u32::from(config.heartbeat_timeout_ms);
-    steps.extend([
+    then(&[
         Step::Write(write(0x1017, 0, u32::from(config.heartbeat_ms), 2)),
         Step::Try(write(0x1016, 1, master, 4)),
         Step::Try(write(0x6007, 0, ON_LOSS_QUICK_STOP, 2)),
@@ -79,27 +94,20 @@ pub(super) fn steps(config: &CanopenConfig, node: u8) -> Vec<Step> {
     // the cycle
     let milliseconds = config.period_us / 1_000;
     let thousandths = u32::from((-3i8).cast_unsigned());
-    steps.extend([
+    then(&[
         Step::Try(write(0x1006, 0, config.period_us, 4)),
         Step::Try(write(0x60C2, 1, milliseconds, 1)),
         Step::Try(write(0x60C2, 2, thousandths, 1)),
     ]);
     // RPDO1: controlword and target; TPDO1: statusword and position; both with each SYNC
-    steps.extend(map(0x1400, 0x1600, u32::from(RPDO1) + u32::from(node), 0, [0x6040_0010, 0x607A_0020]));
-    steps.extend(map(
-        0x1800,
-        0x1A00,
-        u32::from(TPDO1) + u32::from(node),
-        NO_REMOTE,
-        [0x6041_0010, 0x6064_0020],
-    ));
+    then(&map(0x1400, 0x1600, u32::from(RPDO1) + u32::from(node), 0, [0x6040_0010, 0x607A_0020]));
+    then(&map(0x1800, 0x1A00, u32::from(TPDO1) + u32::from(node), NO_REMOTE, [0x6041_0010, 0x6064_0020]));
     // what else the drive would send of itself
     for (other, function) in [(1, 0x280), (2, 0x380), (3, 0x480)] {
         let id = function + u32::from(node);
-        steps.push(Step::Try(write(0x1800 + other, 1, INVALID | NO_REMOTE | id, 4)));
+        then(&[Step::Try(write(0x1800 + other, 1, INVALID | NO_REMOTE | id, 4))]);
     }
-    steps.push(Step::Write(write(0x6060, 0, u32::from(CYCLIC_SYNCHRONOUS_POSITION), 1)));
-    steps.push(Step::Mode);
+    then(&[Step::Write(write(0x6060, 0, u32::from(CYCLIC_SYNCHRONOUS_POSITION), 1)), Step::Mode]);
     steps
 }
 
@@ -122,6 +130,18 @@ fn map(communication: u16, mapping: u16, id: u32, flags: u32, entries: [u32; 2])
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::borrow::ToOwned as _;
+    use std::format;
+    use std::string::String;
+    use std::vec::Vec;
+
+    #[test]
+    fn there_is_room_for_every_step() {
+        let config = CanopenConfig { vendor: Some(1), ..CanopenConfig::default() };
+        let with_vendor = steps(&config, 5).len();
+        assert_eq!(with_vendor, steps(&CanopenConfig::default(), 5).len() + 1);
+        assert!(with_vendor < STEPS, "the last may have been left out: {with_vendor}");
+    }
 
     #[test]
     fn pdos_are_mapped_in_the_order_of_the_standard() {

@@ -3,8 +3,8 @@
 use super::cia402::{State, about_error};
 use super::frame::NmtState;
 use super::sdo::{AbortCode, Object};
-use std::fmt;
-use tetrad_core::arm::port::{JointNumber, PortFault, PortStatus};
+use crate::arm::port::{JointNumber, PortFault, PortStatus};
+use core::fmt;
 
 /// A drive, by its joint and its place on the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +73,7 @@ impl fmt::Display for Nonsense {
 }
 
 /// Why the arm was stopped.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// It was asked to.
     Asked,
@@ -109,8 +109,8 @@ pub enum Cause {
     Garbled(u64),
     /// A drive was switched off and on, or reset.
     Restarted(DriveName),
-    /// The bus cannot be used: what the system said.
-    Bus(String),
+    /// The bus cannot be used; whoever opened it knows what the system said.
+    Bus,
 }
 
 /// Codes of faults that are the master's own finding, beyond the 16 bits of a drive's error codes.
@@ -142,7 +142,7 @@ impl Cause {
             Self::NotADrive(drive, _) | Self::OtherVendor(drive, _) => fault(drive, code::OTHER_DEVICE),
             Self::OtherMode(drive, _) => fault(drive, code::OTHER_MODE),
             Self::OtherMaster(_) => PortStatus::Fault(PortFault { joint: None, code: code::OTHER_MASTER }),
-            Self::Silent(_) | Self::AllSilent | Self::Garbled(_) | Self::Restarted(_) | Self::Bus(_) => {
+            Self::Silent(_) | Self::AllSilent | Self::Garbled(_) | Self::Restarted(_) | Self::Bus => {
                 PortStatus::Lost
             }
         }
@@ -218,9 +218,7 @@ impl fmt::Display for Cause {
             Self::Restarted(drive) => {
                 write!(f, "{drive} was restarted; check its supply, then enable")
             }
-            Self::Bus(error) => {
-                write!(f, "the CAN bus is gone: {error}; check adapter and interface, then enable")
-            }
+            Self::Bus => f.write_str("the CAN bus is gone; check adapter and interface, then enable"),
         }
     }
 }

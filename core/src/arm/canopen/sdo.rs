@@ -5,7 +5,7 @@
 //! request may come in place of the one waited for.
 
 use super::frame::{Frame, SDO_REQUEST};
-use std::fmt;
+use core::fmt;
 
 /// How often a request without an answer is sent, in all.
 const ATTEMPTS: u8 = 3;
@@ -206,6 +206,8 @@ impl Client {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::format;
+    use std::string::ToString as _;
 
     const STATUS: Object = Object { index: 0x6041, sub: 0 };
 

@@ -2,10 +2,10 @@
 
 use super::cause::{Cause, DriveName, Nonsense};
 use super::cia402::{DISABLE_VOLTAGE, ENABLE_OPERATION, FAULT_RESET, QUICK_STOP, State};
-use super::config::CanopenConfig;
 use super::frame::{Frame, NmtState, RPDO1};
 use super::sdo::{AbortCode, Answer, Client, Request};
-use super::setup::{DEVICE_PROFILE_402, ERROR_CODE, Step, steps};
+use super::setup::{DEVICE_PROFILE_402, ERROR_CODE, Step, Steps, steps};
+use crate::config::CanopenConfig;
 
 /// Answers in a row that make no sense before the drive is not believed.
 const NONSENSE_IN_A_ROW: u32 = 3;
@@ -40,7 +40,7 @@ pub(super) struct Node {
     pub(super) name: DriveName,
     /// The farthest that its motor can turn in a cycle, counts.
     pub(super) step: i32,
-    steps: Vec<Step>,
+    steps: Steps,
     at: usize,
     questions: u32,
     sdo: Client,
@@ -176,7 +176,7 @@ impl Node {
 
     /// Whether the drive answered the last SYNC; counts those it did not.
     pub(super) fn end_cycle(&mut self) -> bool {
-        let fresh = std::mem::take(&mut self.fresh);
+        let fresh = core::mem::take(&mut self.fresh);
         self.missing = if fresh { 0 } else { self.missing.saturating_add(1) };
         if let (true, Some(position)) = (fresh, self.position) {
             // a tenth of a cycle at full speed: noise, not motion
@@ -211,7 +211,7 @@ impl Node {
 
     /// A step on in the set-up: the answer to the last request, and the next request.
     pub(super) fn configure(&mut self) -> Result<Progress, Cause> {
-        let Some(step) = self.steps.get(self.at) else { return Ok(Progress::Done) };
+        let Some(step) = self.steps.get(self.at).copied() else { return Ok(Progress::Done) };
         if let Some(answer) = self.sdo.take_answer() {
             let object = step.object();
             let value = match answer {
@@ -219,13 +219,13 @@ impl Node {
                 Answer::Silence => return Err(Cause::Silent(self.name)),
                 Answer::Nonsense => return Err(Cause::Nonsense(self.name, Nonsense::Answer(object))),
                 Answer::Abort(code) if matches!(step, Step::Try(_)) && code.is_absence() => None,
-                Answer::Abort(code) => return Err(self.refusal(step, code)),
+                Answer::Abort(code) => return Err(self.refusal(&step, code)),
             };
             match (step, value) {
                 (Step::DeviceType, Some(device)) if device & 0xFFFF != DEVICE_PROFILE_402 => {
                     return Err(Cause::NotADrive(self.name, device));
                 }
-                (Step::Vendor(want), Some(vendor)) if vendor != *want => {
+                (Step::Vendor(want), Some(vendor)) if vendor != want => {
                     return Err(Cause::OtherVendor(self.name, vendor));
                 }
                 (Step::Mode, Some(mode)) if mode != u32::from(super::cia402::CYCLIC_SYNCHRONOUS_POSITION) => {

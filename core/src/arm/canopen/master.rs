@@ -16,12 +16,13 @@ mod judgement;
 mod phases;
 
 use super::cause::{Cause, DriveName};
-use super::config::{CanopenConfig, CanopenConfigError, Homing};
-use super::frame::{EMERGENCY, Frame, HEARTBEAT, NmtState, SDO_ANSWER, SYNC, TPDO1};
+use super::frame::{EMERGENCY, Frame, HEARTBEAT, NmtCommand, NmtState, SDO_ANSWER, SYNC, TPDO1};
 use super::node::Node;
-use tetrad_core::arm::port::PortStatus;
-use tetrad_core::arm::puma560::Counts;
-use tetrad_core::config::{JOINTS, PumaConfig};
+use crate::arm::port::PortStatus;
+use crate::arm::puma560::Counts;
+use crate::config::{CanopenConfig, CanopenConfigError, Homing, JOINTS, PumaConfig};
+use core::fmt;
+use judgement::Obedience;
 
 /// How far a motor may be sent in a cycle, in cycles at the joint's largest speed: a set-point that
 /// comes a cycle late and the next one then make one step of two.
@@ -58,6 +59,20 @@ pub struct Counters {
     pub set_points: u64,
 }
 
+/// Why the arm was stopped and, where drives did not confirm it, which did: what the operator reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reason {
+    cause: Cause,
+    obeyed: Option<Obedience>,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.cause.fmt(f)?;
+        self.obeyed.map_or(Ok(()), |obeyed| write!(f, "; {obeyed}"))
+    }
+}
+
 /// The master of six drives.
 #[derive(Debug)]
 pub struct Master {
@@ -72,7 +87,8 @@ pub struct Master {
     owning: bool,
     /// Whether PDOs are exchanged.
     operational: bool,
-    commands: Vec<Frame>,
+    /// What every drive is to be told as a node.
+    command: Option<NmtCommand>,
     heartbeat_us: Option<u64>,
     set_point: Option<Counts>,
     goal: Counts,
@@ -81,7 +97,7 @@ pub struct Master {
     /// Bytes on the line that belong to no frame.
     garbage: u64,
     /// Which drives obeyed the last stop, where not all did.
-    obeyed: Option<String>,
+    obeyed: Option<Obedience>,
 }
 
 impl Master {
@@ -92,14 +108,15 @@ impl Master {
     pub fn new(config: &CanopenConfig, puma: &PumaConfig) -> Result<Self, CanopenConfigError> {
         config.check()?;
         let speeds = motor_speeds(config, puma);
-        let mut place = 0;
+        let mut joints = (1..).zip(speeds);
         let nodes = config.nodes.map(|node| {
-            let step = (speeds[place] * config.period_s() * STEP_SHARE).ceil() as i32;
-            place += 1;
-            Node::new(config, DriveName { joint: place as u8, node }, step)
+            // there is one for each
+            let (joint, speed) = joints.next().unwrap_or_default();
+            let step = libm::ceil(speed * config.period_s() * STEP_SHARE) as i32;
+            Node::new(config, DriveName { joint, node }, step)
         });
         Ok(Self {
-            config: config.clone(),
+            config: *config,
             nodes,
             phase: Phase::Listening,
             since_us: None,
@@ -107,7 +124,7 @@ impl Master {
             wanted: false,
             owning: false,
             operational: false,
-            commands: Vec::new(),
+            command: None,
             heartbeat_us: None,
             set_point: None,
             goal: [0; JOINTS],
@@ -154,11 +171,11 @@ impl Master {
         }
     }
 
-    /// The bus is gone; the system's words for it.
-    pub fn lose_bus(&mut self, error: String) {
+    /// The bus is gone.
+    pub fn lose_bus(&mut self) {
         self.operational = false;
         self.owning = false;
-        self.cause = Some(Cause::Bus(error));
+        self.cause = Some(Cause::Bus);
         self.wanted = false;
         self.enter(Phase::Stopped);
     }
@@ -188,18 +205,14 @@ impl Master {
 
     /// Why it was stopped.
     #[must_use]
-    pub fn cause(&self) -> Option<&Cause> {
-        self.cause.as_ref()
+    pub const fn cause(&self) -> Option<Cause> {
+        self.cause
     }
 
     /// Why it was stopped and, where drives did not confirm it, which did: what the operator reads.
     #[must_use]
-    pub fn reason(&self) -> Option<String> {
-        let cause = self.cause.as_ref()?;
-        Some(match &self.obeyed {
-            Some(obeyed) => format!("{cause}; {obeyed}"),
-            None => cause.to_string(),
-        })
+    pub fn reason(&self) -> Option<Reason> {
+        self.cause.map(|cause| Reason { cause, obeyed: self.obeyed })
     }
 
     /// Where the drives are, and when the oldest of these positions came.
@@ -274,7 +287,7 @@ impl Master {
     // ---- the cycle
 
     /// Ends the cycle that is over, decides, and gives the frames that begin the next one.
-    pub fn cycle(&mut self, now_us: u64, out: &mut Vec<Frame>) {
+    pub fn cycle(&mut self, now_us: u64, out: &mut impl Extend<Frame>) {
         let since_us = *self.since_us.get_or_insert(now_us);
         let in_phase_us = now_us.saturating_sub(since_us);
         if self.operational {
@@ -321,19 +334,21 @@ impl Master {
         self.obeyed = None;
     }
 
-    fn emit(&mut self, now_us: u64, out: &mut Vec<Frame>) {
+    fn emit(&mut self, now_us: u64, out: &mut impl Extend<Frame>) {
         if !self.owning {
             return;
         }
-        out.append(&mut self.commands);
+        if let Some(command) = self.command.take() {
+            out.extend(self.nodes.iter().map(|node| command.to(node.name.node)));
+        }
         let every_us = u64::from(self.config.heartbeat_ms) * 1_000;
         if self.heartbeat_us.is_none_or(|last| now_us.saturating_sub(last) >= every_us) {
             self.heartbeat_us = Some(now_us);
-            out.push(Frame::of(HEARTBEAT, self.config.master, [OPERATIONAL]));
+            out.extend([Frame::of(HEARTBEAT, self.config.master, [OPERATIONAL])]);
         }
         if self.operational {
             out.extend(self.nodes.iter().map(Node::command));
-            out.push(Frame::of(SYNC, 0, []));
+            out.extend([Frame::of(SYNC, 0, [])]);
             self.counters.cycles += 1;
         }
         // what is not urgent comes after SYNC
@@ -347,7 +362,9 @@ fn motor_speeds(config: &CanopenConfig, puma: &PumaConfig) -> [f64; JOINTS] {
     let mut speeds = [0.0f64; JOINTS];
     for (place, (row, joint)) in config.coupling.iter().zip(&puma.joints).enumerate() {
         let carried: f64 = row.iter().zip(&speeds).map(|(share, speed)| share.abs() * speed).sum();
-        speeds[place] = joint.max_speed_rad_s + carried;
+        if let Some(speed) = speeds.get_mut(place) {
+            *speed = joint.max_speed_rad_s + carried;
+        }
     }
     for (speed, counts) in speeds.iter_mut().zip(&config.counts_per_rad) {
         *speed *= counts.abs();

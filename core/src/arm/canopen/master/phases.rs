@@ -1,19 +1,17 @@
 //! What the master does in a cycle of each phase, and how one leads to the next.
 
+use super::super::cause::Cause;
+use super::super::cia402::State;
+use super::super::frame::NmtCommand;
+use super::super::node::{Node, Progress};
 use super::{Master, Phase};
-use crate::robot::canopen::cause::Cause;
-use crate::robot::canopen::cia402::State;
-use crate::robot::canopen::frame::NmtCommand;
-use crate::robot::canopen::node::Progress;
 
 impl Master {
     pub(super) fn begin_configuring(&mut self) {
         self.owning = true;
         self.operational = false;
-        for node in &mut self.nodes {
-            node.begin();
-            self.commands.push(NmtCommand::PreOperational.to(node.name.node));
-        }
+        self.nodes.iter_mut().for_each(Node::begin);
+        self.command = Some(NmtCommand::PreOperational);
         self.enter(Phase::Configuring);
     }
 
@@ -34,7 +32,7 @@ impl Master {
         }
         if done {
             self.operational = true;
-            self.commands.extend(self.nodes.iter().map(|node| NmtCommand::Start.to(node.name.node)));
+            self.command = Some(NmtCommand::Start);
             self.enter(Phase::Idle);
         }
     }

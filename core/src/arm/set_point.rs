@@ -1,10 +1,12 @@
 //! Which set-points a port takes: the part of the contract that is the same for every arm.
 
-use tetrad_core::arm::port::PortError;
-use tetrad_core::arm::puma560::Joints;
-use tetrad_core::config::{JOINTS, JointConfig, PumaConfig};
+use super::port::PortError;
+use super::puma560::Joints;
+use crate::config::{JOINTS, JointConfig, PumaConfig};
+use crate::real::Real;
 
 /// By how much a set-point may exceed a bound that was kept by whoever computed it: rounding, radians.
+/// Where set-points are computed in single precision, what is taken for rounding there.
 const ROUNDING_RAD: f64 = 1e-9;
 
 /// Ranges, and the farthest that each joint can go in a cycle.
@@ -27,22 +29,24 @@ impl SetPointGate {
     /// # Errors
     /// [`PortError::NotFinite`], [`PortError::OutOfRange`] or [`PortError::TooFar`] with the first joint
     /// that it is true of. A joint that is out of its range may come back towards it.
-    pub fn check(&self, last: &Joints<f64>, next: &Joints<f64>) -> Result<(), PortError> {
-        let each = || (1..).zip(&self.joints).zip(last.iter().zip(next));
+    pub fn check<T: Real>(&self, last: &Joints<T>, next: &Joints<T>) -> Result<(), PortError> {
+        let rounding_rad = ROUNDING_RAD.max(T::SLACK.to_f64());
+        let (last, next) = (last.map(T::to_f64), next.map(T::to_f64));
+        let each = || (1..).zip(&self.joints).zip(last.iter().zip(&next));
         for ((number, _), (_, next)) in each() {
             if !next.is_finite() {
                 return Err(PortError::NotFinite(number));
             }
         }
         for ((number, joint), (&last, &next)) in each() {
-            let least = joint.min_rad.min(last) - ROUNDING_RAD;
-            let most = joint.max_rad.max(last) + ROUNDING_RAD;
+            let least = joint.min_rad.min(last) - rounding_rad;
+            let most = joint.max_rad.max(last) + rounding_rad;
             if !(least..=most).contains(&next) {
                 return Err(PortError::OutOfRange(number));
             }
         }
         for ((number, joint), (&last, &next)) in each() {
-            if (next - last).abs() > joint.max_speed_rad_s * self.cycle_s + ROUNDING_RAD {
+            if (next - last).abs() > joint.max_speed_rad_s * self.cycle_s + rounding_rad {
                 return Err(PortError::TooFar(number));
             }
         }

@@ -1,7 +1,7 @@
 //! Frames on the bus, and what each means to a master of CiA 301: the COB-IDs of the predefined
 //! connection set.
 
-use std::fmt;
+use core::fmt;
 
 /// The most bytes in a frame.
 pub const MAX_DATA: usize = 8;
@@ -39,7 +39,7 @@ impl Frame {
             return None;
         }
         let mut padded = [0; MAX_DATA];
-        padded[..data.len()].copy_from_slice(data);
+        padded.iter_mut().zip(data).for_each(|(to, from)| *to = *from);
         Some(Self { id, length: data.len() as u8, data: padded })
     }
 
@@ -48,7 +48,7 @@ impl Frame {
     pub(super) fn of<const N: usize>(function: u16, node: u8, data: [u8; N]) -> Self {
         const { assert!(N <= MAX_DATA) }
         let mut padded = [0; MAX_DATA];
-        padded[..N].copy_from_slice(&data);
+        padded.iter_mut().zip(data).for_each(|(to, from)| *to = from);
         Self { id: (function + u16::from(node & 0x7F)) & 0x7FF, length: N as u8, data: padded }
     }
 
@@ -61,7 +61,7 @@ impl Frame {
     /// The bytes.
     #[must_use]
     pub fn data(&self) -> &[u8] {
-        &self.data[..usize::from(self.length)]
+        self.data.get(..usize::from(self.length)).unwrap_or_default()
     }
 
     /// The function code: the identifier without the node.
@@ -87,6 +87,7 @@ impl fmt::Debug for Frame {
 
 /// What a node's heartbeat says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NmtState {
     /// It was switched on or reset.
     BootUp,
@@ -125,6 +126,7 @@ impl fmt::Display for NmtState {
 
 /// What an NMT master can tell a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NmtCommand {
     /// PDOs from now on.
     Start,
@@ -147,6 +149,7 @@ impl NmtCommand {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::format;
 
     #[test]
     fn frames_are_taken_apart() {

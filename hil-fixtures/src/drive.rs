@@ -2,58 +2,74 @@
 //! server, PDOs as they are mapped, the state machine, heartbeats both ways. It knows no clock.
 
 use std::collections::BTreeMap;
-use tetrad::robot::canopen::frame::Frame;
+use tetrad_core::arm::canopen::Frame;
 
 /// Bits of the statusword, without those that say nothing of the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Status {
+pub enum Status {
+    /// No voltage may be put on the motor.
     SwitchOnDisabled = 0x40,
+    /// Voltage may be put on.
     ReadyToSwitchOn = 0x21,
+    /// Voltage is on, without torque.
     SwitchedOn = 0x23,
+    /// It follows its targets.
     OperationEnabled = 0x27,
+    /// It brakes, or has braked.
     QuickStop = 0x07,
+    /// A fault waits to be reset.
     Fault = 0x08,
 }
 
+/// A node's states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Nmt {
+pub enum Nmt {
+    /// SDOs alone.
     PreOperational = 0x7F,
+    /// PDOs and SDOs.
     Operational = 0x05,
+    /// Neither.
     Stopped = 0x04,
 }
 
 /// What a drive can be made to do wrong.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Faults {
+pub struct Faults {
     /// It neither hears nor says anything: no power.
-    pub(crate) dead: bool,
+    pub dead: bool,
     /// It says nothing but hears.
-    pub(crate) mute: bool,
+    pub mute: bool,
     /// A fault whose cause is not gone: it cannot be reset.
-    pub(crate) lasting: bool,
+    pub lasting: bool,
     /// The emergency stop: voltage may not be put on.
-    pub(crate) safe_torque_off: bool,
+    pub safe_torque_off: bool,
     /// What its TPDOs hold in place of what is true.
-    pub(crate) nonsense: Option<Vec<u8>>,
+    pub nonsense: Option<Vec<u8>>,
     /// Objects that it does not have.
-    pub(crate) lacking: Vec<u16>,
+    pub lacking: Vec<u16>,
     /// Objects that it does not let be written.
-    pub(crate) refusing: Vec<u16>,
+    pub refusing: Vec<u16>,
 }
 
-pub(crate) struct Drive {
-    pub(crate) node: u8,
-    pub(crate) nmt: Nmt,
-    pub(crate) status: Status,
+/// A drive, and the axis that it turns.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    /// Its node number.
+    pub node: u8,
+    /// Its state as a node.
+    pub nmt: Nmt,
+    /// Its state as a drive.
+    pub status: Status,
     /// Bits of the statusword beyond the state.
-    pub(crate) more_status: u16,
-    pub(crate) faults: Faults,
+    pub more_status: u16,
+    /// What it does wrong.
+    pub faults: Faults,
     /// The target at each SYNC in operation enabled.
-    pub(crate) targets: Vec<i32>,
+    pub targets: Vec<i32>,
     /// Every state it has been in.
-    pub(crate) history: Vec<Status>,
+    pub history: Vec<Status>,
     /// How it came to brake last: told to, or by itself for want of the master's heartbeat.
-    pub(crate) lost_master: bool,
+    pub lost_master: bool,
     objects: BTreeMap<(u16, u8), (u32, u8)>,
     control: u16,
     buffered: Option<Vec<u8>>,
@@ -65,7 +81,9 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
-    pub(crate) fn new(node: u8, position: i32) -> Self {
+    /// A drive that was switched on, its axis at rest at `position` counts.
+    #[must_use]
+    pub fn new(node: u8, position: i32) -> Self {
         let n = u32::from(node);
         let objects = BTreeMap::from([
             ((0x1000, 0), (0x0002_0192, 4)),
@@ -120,26 +138,35 @@ impl Drive {
         }
     }
 
-    pub(crate) fn get(&self, index: u16, sub: u8) -> u32 {
+    /// The value of an object, as its bits; 0 where there is no such object.
+    #[must_use]
+    pub fn get(&self, index: u16, sub: u8) -> u32 {
         self.objects.get(&(index, sub)).map_or(0, |(value, _)| *value)
     }
 
-    pub(crate) fn set(&mut self, index: u16, sub: u8, value: u32) {
+    /// Sets an object.
+    ///
+    /// # Panics
+    /// When there is no such object.
+    pub fn set(&mut self, index: u16, sub: u8, value: u32) {
         let object = self.objects.get_mut(&(index, sub)).expect("an object of the drive");
         object.0 = value;
     }
 
-    pub(crate) fn position(&self) -> i32 {
+    /// Where the axis is, counts.
+    #[must_use]
+    pub fn position(&self) -> i32 {
         self.get(0x6064, 0).cast_signed()
     }
 
     /// Whether the axis is at rest.
-    pub(crate) fn rests(&self) -> bool {
+    #[must_use]
+    pub fn rests(&self) -> bool {
         self.velocity == 0
     }
 
     /// A fault happens: the drive brakes, and tells its code.
-    pub(crate) fn fail(&mut self, code: u16, out: &mut Vec<Frame>) {
+    pub fn fail(&mut self, code: u16, out: &mut Vec<Frame>) {
         self.set(0x603F, 0, u32::from(code));
         self.go(Status::Fault);
         let [low, high] = code.to_le_bytes();
@@ -147,7 +174,7 @@ impl Drive {
     }
 
     /// It is switched off and on.
-    pub(crate) fn restart(&mut self, out: &mut Vec<Frame>) {
+    pub fn restart(&mut self, out: &mut Vec<Frame>) {
         let position = self.position();
         let node = self.node;
         *self = Self { now_us: self.now_us, ..Self::new(node, position) };
@@ -168,7 +195,7 @@ impl Drive {
     }
 
     /// Time passes: heartbeats, and the watch on the master's.
-    pub(crate) fn tick(&mut self, now_us: u64, out: &mut Vec<Frame>) {
+    pub fn tick(&mut self, now_us: u64, out: &mut Vec<Frame>) {
         self.now_us = now_us;
         if self.faults.dead {
             return;
@@ -194,7 +221,8 @@ impl Drive {
         }
     }
 
-    pub(crate) fn receive(&mut self, frame: &Frame, out: &mut Vec<Frame>) {
+    /// Takes a frame from the bus, whoever it is for.
+    pub fn receive(&mut self, frame: &Frame, out: &mut Vec<Frame>) {
         if self.faults.dead {
             return;
         }
