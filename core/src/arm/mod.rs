@@ -9,6 +9,8 @@
 //! | set-points | [`set_point`] | set-point -> one that a port takes | [`port::PortError`] |
 //! | drives | [`canopen`] | set-points <-> frames of a CAN bus | [`canopen::Cause`] |
 //! | cycle | [`slave`] | commands, button, joints -> what is to be done at the port | all of the above |
+//! | station | [`station`] | an operator's packets -> the port told, the arm's state | [`station::NoReset`] |
+//! | on wires | [`wired`] | packets of a serial line, frames of a CAN bus -> both | all of the above |
 //!
 //! Generic over f32 (the microcontroller) and f64 (the host). Nothing here panics or allocates.
 
@@ -25,3 +27,7 @@ pub mod set_point;
 pub mod canopen;
 
 pub mod slave;
+
+pub mod station;
+
+pub mod wired;

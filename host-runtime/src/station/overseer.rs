@@ -110,7 +110,7 @@ impl Overseer {
         }
         self.looked_us = Some(now_us);
         lines.extend(slave.take_refusal().map(|refusal| {
-            let reason = slave.station().robot().reason();
+            let reason = slave.station().port().reason();
             let reason = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
             format!("no reset: {refusal}{reason}")
         }));
@@ -135,7 +135,7 @@ impl Overseer {
             ));
         };
         if now_us.saturating_sub(since_us) >= LOST_US && self.lost.is_none() {
-            let reason = slave.station().robot().reason();
+            let reason = slave.station().port().reason();
             self.lost = Some(reason.unwrap_or_else(|| status.to_string()));
         }
         None

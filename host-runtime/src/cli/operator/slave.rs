@@ -169,7 +169,7 @@ impl Work {
                 desk.notices().append(&mut lines);
             }
         });
-        let report = slave.station().robot().report();
+        let report = slave.station().port().report();
         overseen.lines.splice(0..0, report.into_iter().map(|line| ("arm", line)));
         overseen
     }
@@ -179,7 +179,7 @@ impl Work {
 /// has no words.
 fn port_reason(slave: &LinkedSlave<LocalEnd>, cycle: &Cycle) -> Option<String> {
     let stands = matches!(cycle.step.decision.status.state(), State::Stopped | State::Fault);
-    stands.then(|| slave.station().robot().reason()).flatten()
+    stands.then(|| slave.station().port().reason()).flatten()
 }
 
 impl Desk {

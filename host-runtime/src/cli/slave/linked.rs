@@ -85,7 +85,7 @@ pub(super) fn run(
         say(format_args!("link            {:.1} % of the motion lost on the way", motion.loss() * 100.0));
     }
     drop(link);
-    let standing = || ending::standing(&before_end?, slave.station().robot().reason());
+    let standing = || ending::standing(&before_end?, slave.station().port().reason());
     match (terminal_lost, overseen.trouble) {
         (Some(cause), _) => Err(went_away(cause)),
         (None, Some(trouble)) => Err(trouble.into()),
@@ -125,7 +125,7 @@ impl Desk {
         if !self.interrupt.asked() {
             self.before_end = Some(*cycle);
         }
-        for line in self.talk.lines(cycle, slave.station().robot().reason(), now) {
+        for line in self.talk.lines(cycle, slave.station().port().reason(), now) {
             self.print(&line);
         }
         lines.iter().for_each(|line| self.print(line));

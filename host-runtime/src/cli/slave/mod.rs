@@ -147,7 +147,7 @@ fn piped(args: &SlaveArgs, settings: &ArmSettings, seconds: Option<Duration>) ->
     let cycle = Duration::from_micros(u64::from(config.governor.cycle_us));
     let mut run = Run::new(station, packets, record, keyboard, cycle);
     run.print(&format!("arm at {address}; {}", run.usage()));
-    if let Some(notice) = run.station().robot().notice() {
+    if let Some(notice) = run.station().port().notice() {
         run.print(&notice);
     }
     let ended = run.all(seconds, &interrupt);
@@ -227,7 +227,7 @@ fn report(station: &SlaveStation, losses: Losses) {
     if let Some(error) = first_foreign {
         say(format_args!("                the first not understood: {error}"));
     }
-    for line in station.robot().report() {
+    for line in station.port().report() {
         say(format_args!("arm             {line}"));
     }
 }

@@ -134,7 +134,7 @@ impl Run {
                 return self.shut_down();
             }
             due = next_due(due, self.cycle, Instant::now());
-            self.station.pace(due);
+            self.station.port_mut().pace(due);
             // a port's own beat may be ahead of this clock
             due = due.min(Instant::now());
         }
@@ -161,7 +161,7 @@ impl Run {
                     self.station.stop();
                     self.reset = None;
                 }
-                Ok(Some(Key::Homed)) => self.station.confirm_homed(),
+                Ok(Some(Key::Homed)) => self.station.port_mut().confirm_homed(),
                 Ok(Some(key @ (Key::Finer | Key::Coarser))) => {
                     self.scale = next_scale(self.scale, key);
                     scaled = true;
@@ -232,7 +232,7 @@ impl Run {
                 if self.keyboard.is_none() && now < self.began + RELEASED => {}
             Reset::Refused(refusal) => {
                 self.reset = None;
-                let reason = self.station.robot().reason();
+                let reason = self.station.port().reason();
                 let reason = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
                 self.print(&format!("no reset: {refusal}{reason}"));
                 if self.keyboard.is_none() {
@@ -257,7 +257,7 @@ impl Run {
 
     fn judge(&mut self, cycle: &Cycle) {
         if self.worst.is_none() {
-            self.worst = ending::standing(cycle, self.station.robot().reason());
+            self.worst = ending::standing(cycle, self.station.port().reason());
         }
     }
 
@@ -277,7 +277,7 @@ impl Run {
                 break;
             }
             due = next_due(due, self.cycle, Instant::now());
-            self.station.pace(due);
+            self.station.port_mut().pace(due);
             // a port's own beat may be ahead of this clock
             due = due.min(Instant::now());
         }
@@ -293,7 +293,7 @@ impl Run {
     }
 
     fn tell(&mut self, cycle: &Cycle, now: Instant) {
-        for line in self.talk.lines(cycle, self.station.robot().reason(), now) {
+        for line in self.talk.lines(cycle, self.station.port().reason(), now) {
             self.print(&line);
         }
     }

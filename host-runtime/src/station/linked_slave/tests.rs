@@ -5,10 +5,10 @@ use super::*;
 use crate::link::faulty::{Faults, FaultyEnd, pair};
 use crate::robot::simulated::{Mischief, SimulatedArm, SimulatedOptions};
 use crate::station::arm_words;
-use tetrad_core::arm::teleop::State;
-use tetrad_core::arm::teleop::{Note, Notes};
+use tetrad_core::arm::teleop::{Note, Notes, Order, State};
 use tetrad_core::wire::{
-    ArmReason, ArmState, ArmStatePacket, ControllerState, PressFor, ScaleShare, Settled,
+    ArmReason, ArmState, ArmStatePacket, ButtonsPacket, ControllerState, MotionPacket, PressFor, ScaleShare,
+    Settled,
 };
 use tetrad_fixtures::packets;
 

@@ -1,7 +1,8 @@
 //! A reset that was asked for and goes on until the arm is switched on, or not.
 
-use super::slave::{EnableThenReset, SlaveStation};
-use tetrad_core::arm::port::PortError;
+use super::{EnableThenReset, Station};
+use crate::arm::port::{PortError, RobotPort};
+use crate::real::Real;
 
 /// How long an arm may take to be switched on, microseconds: one that calibrates itself goes slowly from
 /// joint to joint.
@@ -37,9 +38,9 @@ impl Resetting {
     }
 
     /// Goes on with it: the arm is told to switch on once, then waited for.
-    pub fn go_on(&mut self, station: &mut SlaveStation, now_us: u64) -> Reset {
+    pub fn go_on<T: Real, P: RobotPort<T>>(&mut self, station: &mut Station<T, P>, now_us: u64) -> Reset {
         let may_enable = !self.told;
-        let told = std::mem::replace(&mut self.told, true);
+        let told = core::mem::replace(&mut self.told, true);
         let waited_us = now_us.saturating_sub(self.since_us);
         match station.reset(now_us, may_enable) {
             Ok(()) => Reset::Done,
