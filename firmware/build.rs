@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::{env, fs, io};
 
 /// The programs of the MPS2 boards.
-const MPS2: [&str; 4] = ["mps2-camera", "mps2-figures", "mps2-hand", "mps2-probes"];
+const MPS2: [&str; 5] = ["mps2-camera", "mps2-figures", "mps2-hand", "mps2-probes", "mps2-slave"];
 
 fn main() -> io::Result<()> {
     println!("cargo:rerun-if-changed=build.rs");

@@ -1,4 +1,4 @@
-//! Tetrad's tracker as a smart camera on a microcontroller.
+//! Tetrad on a microcontroller: its tracker as a smart camera, its slave at the arm.
 //!
 //! ```text
 //! sensor ─picture─► capture ──┐                              ┌─► send ─frames─► serial line
@@ -20,6 +20,8 @@
 //! | learning by a button | `teach` | no |
 //! | setting up the image sensor OV7725 | `ov7725` | no |
 //! | pose and arm as bytes, for comparing | `probes` | no |
+//! | an operator's packets and drives' frames to set-points | `slave` | no |
+//! | what a CAN bus is asked for | `can` | no |
 //! | what is particular to a board | `board` | yes |
 //!
 //! What is computed is `tetrad-core`'s: the same packets, to the byte, as a desktop computes of the same
@@ -30,6 +32,7 @@
 extern crate std;
 
 pub mod board;
+pub mod can;
 pub mod can_fd;
 pub mod capture;
 pub mod handover;
@@ -39,5 +42,6 @@ pub mod probes;
 pub mod receive;
 pub mod send;
 pub mod share;
+pub mod slave;
 pub mod teach;
 pub mod track;

@@ -13,7 +13,7 @@ pub const PROGRAMS: &str = "TETRAD_FIRMWARE";
 const LIMIT: Duration = Duration::from_secs(300);
 
 /// One instruction counts as 2^6 ns, and nobody waits for virtual time to pass.
-const FAST: &str = "shift=6,sleep=off";
+pub(crate) const FAST: &str = "shift=6,sleep=off";
 
 /// A board of QEMU's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,8 +180,8 @@ impl Target {
             icount,
         ]);
         qemu.args(["-semihosting-config", "enable=on,target=native"]);
-        // the serial line, one that is not used, and the log
-        qemu.args(["-serial", serial, "-serial", "null", "-serial", "file:log", "-kernel"]);
+        // the serial line, what stands for a CAN bus, and the log
+        qemu.args(["-serial", serial, "-serial", "file:bus", "-serial", "file:log", "-kernel"]);
         qemu.arg(self.build.program(program)?).current_dir(folder);
         qemu.stdin(Stdio::null()).stdout(said.try_clone()?).stderr(said);
         Ok(qemu)

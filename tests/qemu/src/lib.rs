@@ -11,6 +11,7 @@
 //! | what the desktop makes of a tape | `desktop` |
 //! | pose and arm as bytes: the firmware's own file | `probes` |
 //! | what a board makes of it | `board` |
+//! | what an operator and six drives do to a slave, and what the desktop makes of it | `slave` |
 //! | a board whose serial line somebody is at | `live` |
 //! | what a line carries beside good commands | `garbage` |
 //! | what a board logs, with the feature `boards` | `log` |
@@ -35,4 +36,5 @@ pub mod log;
 #[path = "../../../firmware/src/probes.rs"]
 pub mod probes;
 pub mod recorded;
+pub mod slave;
 pub mod tape;

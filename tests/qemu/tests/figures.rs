@@ -5,7 +5,7 @@
 //! compiler; with another compiler they are others, which is what the slack is for.
 //!
 //! Two builds are measured, one for the M4F and one for the M7; poses and the arm of the second alone, built
-//! to be fast. firmware/Cargo.toml says what is built how, and why.
+//! to be fast, as its slave is. firmware/Cargo.toml says what is built how, and why.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -15,6 +15,7 @@ use tetrad_fixtures::golden::blessing;
 use tetrad_qemu::board::{Build, Target};
 use tetrad_qemu::clip::Sequence;
 use tetrad_qemu::elf::{Program, Sizes};
+use tetrad_qemu::slave::SlaveTape;
 use tetrad_qemu::tape::Tape;
 
 /// Names the file for what was measured, which `cargo verify` prints.
@@ -61,6 +62,8 @@ fn measured() -> io::Result<Figures> {
     let tape = Tape::of(&Sequence { scene: "static-30px", frames: (1..16).collect() });
     let folder = tempfile::tempdir()?;
     fs::write(folder.path().join("tetrad.tape"), tape.bytes())?;
+    let arm = tempfile::tempdir()?;
+    fs::write(arm.path().join("tetrad.tape"), SlaveTape::recorded().bytes())?;
     let mut figures = Figures::new();
     for (column, target) in Target::OWN.into_iter().enumerate() {
         let mut said = target.run("mps2-figures", folder.path(), COUNTING)?;
@@ -70,11 +73,14 @@ fn measured() -> io::Result<Figures> {
         } else {
             said += &target.run("mps2-hand", folder.path(), COUNTING)?;
         }
+        said += &target.run("mps2-slave", arm.path(), COUNTING)?;
         said += &target.play(&tape)?.1;
-        let [camera, core] = ["mps2-camera", "core-alone"].map(|name| sizes(target.build, name));
-        let (camera, core) = (camera?, core?);
+        let [camera, slave, core] =
+            ["mps2-camera", "mps2-slave", "core-alone"].map(|name| sizes(target.build, name));
+        let (camera, slave, core) = (camera?, slave?, core?);
         let _ = write!(said, "core-flash {} bytes\ncamera-flash {} bytes\n", core.flash, camera.flash);
         let _ = writeln!(said, "camera-ram {} bytes", camera.ram);
+        let _ = write!(said, "slave-flash {} bytes\nslave-ram {} bytes\n", slave.flash, slave.ram);
         for (name, value) in said.lines().filter_map(figure) {
             figures.entry(name).or_default()[column] = Some(value);
         }

@@ -27,7 +27,7 @@ struct Build {
     logs: bool,
 }
 
-/// The camera for each processor of QEMU's boards. What is built for the M4F runs on the M7 too, which
+/// Camera and slave for each processor of QEMU's boards. What is built for the M4F runs on the M7 too, which
 /// computes in double precision besides; poses and the arm are measured for the M7 alone, and compared with the
 /// desktop on both, built for size and for speed.
 const BUILDS: [Build; 4] = [
@@ -35,7 +35,7 @@ const BUILDS: [Build; 4] = [
         folder: "cortex-m4f",
         processor: None,
         optimisation: None,
-        programs: &CAMERA_AND_PROBES,
+        programs: &ALL_BUT_THE_HAND,
         logs: false,
     },
     Build { folder: "logging", processor: None, optimisation: None, programs: &["mps2-camera"], logs: true },
@@ -50,14 +50,15 @@ const BUILDS: [Build; 4] = [
         folder: "cortex-m7",
         processor: Some("cortex-m7"),
         optimisation: Some("3"),
-        programs: &["mps2-hand", "mps2-probes"],
+        programs: &["mps2-hand", "mps2-probes", "mps2-slave"],
         logs: false,
     },
 ];
 
 const CAMERA: [&str; 3] = ["mps2-camera", "mps2-figures", "core-alone"];
 
-const CAMERA_AND_PROBES: [&str; 4] = ["mps2-camera", "mps2-figures", "core-alone", "mps2-probes"];
+const ALL_BUT_THE_HAND: [&str; 5] =
+    ["mps2-camera", "mps2-figures", "core-alone", "mps2-probes", "mps2-slave"];
 
 impl Build {
     fn run(&self, context: &Context, toolchain: &Toolchain) -> Run {

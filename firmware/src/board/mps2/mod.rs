@@ -9,16 +9,20 @@
 //! | the serial line | `uart` |
 //! | the log, with the feature `defmt` | `log` |
 //! | recorded pictures and commands, read by semihosting | `tape` |
+//! | what stands for the CAN bus | `bus` |
+//! | what came to a slave, read by semihosting | `slave_tape` |
 //! | what a piece of work costs | `cost` |
 //! | the end of a run when no picture was looked at for too long | `watchdog` |
 //! | what happens when something cannot be gone on with | `fault` |
 
+pub mod bus;
 pub mod cost;
 pub mod executor;
 mod fault;
 mod interrupts;
 #[cfg(feature = "defmt")]
 mod log;
+pub mod slave_tape;
 pub mod tape;
 pub mod time;
 pub mod uart;
