@@ -104,7 +104,7 @@ impl ArmSettings {
             file.governor.as_ref().unwrap_or(&GovernorToml::default()).config(&workspace, &puma)?;
         let canopen = file.canopen.check().and_then(|()| file.canopen.check_watches());
         canopen.map_err(|error| ("[canopen]".to_owned(), error.to_string()))?;
-        settings.canopen = file.canopen.clone();
+        settings.canopen = file.canopen;
         if let Some(slave) = &file.slave {
             slave.set(&mut settings)?;
         }

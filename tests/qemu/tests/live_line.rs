@@ -73,7 +73,7 @@ fn a_minute_of_garbage_costs_no_command_and_no_picture() -> io::Result<()> {
         let refused = refused.iter().filter_map(not_understood).max();
         assert!(refused > Some(MINUTE_BYTES as u32 / 1_000), "{refused:?}: that was no garbage");
 
-        let places = Clip::named(sequence().scene).ok_or(io::ErrorKind::NotFound)?.places(0);
+        let places = Clip::named(sequence().scene, 0).ok_or(io::ErrorKind::NotFound)?.places(0);
         let mut commands = garbage.sequence()..;
         let mut number = || commands.next().unwrap_or_default();
         for (ball, at) in places {
@@ -121,7 +121,7 @@ fn pictures_of_a_wrong_length_are_refused_and_the_next_is_looked_at() -> io::Res
     let mut tape = Tape::of(&sequence());
     let mut pictures = tape.events.iter_mut().filter_map(|event| match event {
         Event::Picture(_, bytes) => Some(bytes),
-        Event::Line(_) => None,
+        Event::Line(_) | Event::Pause(_) | Event::Case(_) => None,
     });
     // one byte short, half, nothing, and more than the buffer has room for
     let whole = pictures.nth(1).ok_or(io::ErrorKind::NotFound)?;

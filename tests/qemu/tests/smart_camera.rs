@@ -34,7 +34,7 @@ fn balls_that_a_board_learns_are_tracked_as_on_the_desktop() -> io::Result<()> {
 #[test]
 fn colours_that_a_board_learns_are_the_desktops_and_it_finds_the_balls_with_them() -> io::Result<()> {
     let bench = Bench::of(&Sequence { scene: "static-30px", frames: (1..4).collect() })?;
-    let clip = Clip::named("static-30px").ok_or(io::ErrorKind::NotFound)?;
+    let clip = Clip::named("static-30px", 0).ok_or(io::ErrorKind::NotFound)?;
     let points = clip.places(0).map(|(ball, at)| format!("--at {}={},{}", ball.name(), at.u, at.v));
     let camera = Plugged::start(Target::OWN[0], &bench.tape)?;
     let source = format!("node:serial:{}", camera.device().display());
@@ -83,13 +83,13 @@ impl Bench {
         writeln!(times, "frame,t")?;
         let pictures = bench.tape.events.iter().filter_map(|event| match event {
             Event::Picture(at_us, bytes) => Some((at_us, bytes)),
-            Event::Line(_) => None,
+            Event::Line(_) | Event::Pause(_) | Event::Case(_) => None,
         });
         for (frame, (at_us, bytes)) in pictures.enumerate() {
             writeln!(times, "{frame},{:.6}", *at_us as f64 / 1e6)?;
             write_png(&bench.path(&format!("left/{frame:06}.png")), bench.tape.size, bytes)?;
         }
-        let clip = Clip::named(sequence.scene).ok_or(io::ErrorKind::NotFound)?;
+        let clip = Clip::named(sequence.scene, 0).ok_or(io::ErrorKind::NotFound)?;
         let seeds = clip.places(0).map(|(ball, at)| format!("\"{}\": [{}, {}]", ball.name(), at.u, at.v));
         let scene = format!("{{\"arm_m\": 0.08, \"seeds\": {{\"left\": {{{}}}}}}}", seeds.join(", "));
         fs::write(bench.path("scene.json"), scene)?;

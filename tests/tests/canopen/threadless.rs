@@ -122,6 +122,6 @@ fn drives_that_fall_silent_are_lost() {
         let _ = rig.cycle(|arm| arm.write_set_point(&joints));
     }
     assert_eq!(status(&rig.arm), PortStatus::Lost);
-    let read: Result<_, PortError> = rig.cycle(|arm| RobotPort::<f32>::read_joints(arm));
+    let read: Result<_, PortError> = rig.cycle(RobotPort::<f32>::read_joints);
     assert_eq!(read.unwrap_err(), PortError::Lost);
 }
