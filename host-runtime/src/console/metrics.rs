@@ -1,7 +1,7 @@
 //! `/metrics` in Prometheus's text, and `/health`.
 
 use super::app::State;
-use super::snapshot::{DelayView, LinkView, Snapshot};
+use super::snapshot::{DelayView, LinkView, SILENT_US, Snapshot};
 use axum::extract::State as Of;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
@@ -9,7 +9,7 @@ use std::fmt::{Display, Write as _};
 use std::sync::atomic::Ordering;
 
 /// A loop that has published nothing for so long is not well, microseconds.
-const SILENT_US: u64 = 1_000_000;
+const LOOP_SILENT_US: u64 = 1_000_000;
 
 /// The arm's states, as the law names them.
 const STATES: [&str; 5] = ["stopped", "armed", "engaged", "hold", "fault"];
@@ -20,7 +20,7 @@ pub(super) async fn health(Of(state): Of<State>) -> Response {
         return (StatusCode::OK, "ok: sessions are shown, no station runs here\n").into_response();
     }
     let age_us = state.desk.now_us().saturating_sub(state.desk.snapshot().time_us);
-    if age_us <= SILENT_US {
+    if age_us <= LOOP_SILENT_US {
         (StatusCode::OK, "ok\n").into_response()
     } else {
         let text = format!("the operator's loop has told nothing for {} ms\n", age_us / 1_000);
@@ -66,18 +66,16 @@ fn of_loop(text: &mut Text, snapshot: &Snapshot, now_us: u64) {
     // what a loop that hangs told last grows older with it
     let silent_us = now_us.saturating_sub(snapshot.time_us);
     let age_s = move |age_us: u64| seconds(age_us.saturating_add(silent_us));
+    let is_heard = |age_us: u64| age_us.saturating_add(silent_us) <= SILENT_US;
     let help = "since the operator's loop has told anything";
     text.gauge("tetrad_snapshot_age_seconds", help, seconds(silent_us));
     text.counter("tetrad_snapshots_total", "what the operator's loop has told", snapshot.sequence);
     text.gauge("tetrad_engaged_share", "share of the time in which the arm followed", snapshot.engaged_share);
     if let Some(arm) = &snapshot.arm {
         text.family("tetrad_arm_state", "the state the arm is in; none where it is silent", "gauge");
+        let known = !arm.silent && is_heard(arm.age_us);
         for state in STATES {
-            text.labelled(
-                "tetrad_arm_state",
-                &[("state", state)],
-                u8::from(!arm.silent && arm.state == state),
-            );
+            text.labelled("tetrad_arm_state", &[("state", state)], u8::from(known && arm.state == state));
         }
         text.gauge("tetrad_arm_state_age_seconds", "since the arm's state came", age_s(arm.age_us));
         text.gauge("tetrad_arm_limits", "limits that keep the arm from following", arm.limits.len());
@@ -88,8 +86,9 @@ fn of_loop(text: &mut Text, snapshot: &Snapshot, now_us: u64) {
             text.labelled("tetrad_camera_age_seconds", &[("camera", &camera.name)], age_s(age_us));
         }
     }
-    text.family("tetrad_ball_visible", "share of a ball's rim that is seen", "gauge");
-    for camera in &snapshot.cameras {
+    let help = "share of a ball's rim that is seen; none of a camera that is silent";
+    text.family("tetrad_ball_visible", help, "gauge");
+    for camera in snapshot.cameras.iter().filter(|camera| camera.age_us.is_some_and(is_heard)) {
         for ball in &camera.balls {
             let labels = [("camera", camera.name.as_str()), ("ball", ball.name)];
             text.labelled("tetrad_ball_visible", &labels, ball.visible);

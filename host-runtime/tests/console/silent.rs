@@ -8,19 +8,30 @@ use serde_json::{Value, json};
 /// What keeps the arm from following, as nobody else says it.
 const LIMIT: &str = "slowed for the test";
 
-/// Has the page take what it is told of the arm, the hand and the cameras for this.
-fn pretend(browser: &Browser, arm: &Value, age_us: &Value) {
+/// Has the page take what it is told for what these statements make of the `snapshot`.
+fn alter(browser: &Browser, statements: &str) {
     browser.script(&format!(
         "window.parse ??= JSON.parse;
          JSON.parse = (text, ...more) => {{
            const told = window.parse(text, ...more);
            if (told?.type === 'live') {{
-             Object.assign(told.snapshot.arm ?? {{}}, {arm});
-             for (const one of [told.snapshot.hand, ...told.snapshot.cameras, ...told.snapshot.links]) Object.assign(one ?? {{}}, {{age_us: {age_us}}});
+             const {{ snapshot }} = told;
+             {statements}
            }}
            return told;
          }};"
     ));
+}
+
+/// Has the page take what it is told of the arm, the hand and the cameras for this.
+fn pretend(browser: &Browser, arm: &Value, age_us: &Value) {
+    alter(
+        browser,
+        &format!(
+            "Object.assign(snapshot.arm ?? {{}}, {arm});
+             for (const one of [snapshot.hand, ...snapshot.cameras, ...snapshot.links]) Object.assign(one ?? {{}}, {{age_us: {age_us}}});"
+        ),
+    );
 }
 
 #[test]
@@ -71,4 +82,62 @@ fn nothing_that_is_old_has_a_tick() {
             marks(CROSS, &age_us);
         }
     }
+}
+
+/// How many pixels of the scene have the colour of a property of the style: an expression of the page.
+fn drawn_in(property: &str) -> String {
+    format!(
+        "((canvas) => {{
+           const pen = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', {{ willReadFrequently: true }});
+           pen.fillStyle = getComputedStyle(document.documentElement).getPropertyValue('{property}').trim();
+           pen.fillRect(0, 0, 1, 1);
+           const [r, g, b] = pen.getImageData(0, 0, 1, 1).data;
+           pen.clearRect(0, 0, 1, 1);
+           pen.drawImage(canvas, 0, 0);
+           const {{ data }} = pen.getImageData(0, 0, canvas.width, canvas.height);
+           let drawn = 0;
+           for (let at = 0; at < data.length; at += 4) drawn += data[at] === r && data[at + 1] === g && data[at + 2] === b;
+           return drawn;
+         }})(document.getElementById('scene'))"
+    )
+}
+
+#[test]
+fn a_hand_and_cameras_that_are_silent_are_not_shown_as_known() {
+    let _turn = turn();
+    let test = "console::silent::a_hand_and_cameras_that_are_silent_are_not_shown_as_known";
+    let Some(browser) = Browser::open(test) else { return };
+    let program = Program::operator();
+    browser.go(&program.url("/drive"));
+    let arm = json!({"silent": false});
+    let gauges = "[...document.querySelectorAll('#gauges li')].map((bar) => bar.textContent)";
+    // rate and balls of each camera
+    let cells = "[...document.querySelectorAll('#cameras tr')].flatMap(
+        ({ cells }) => [...cells].filter((cell, at) => at === 1 || at > 2).map((cell) => cell.textContent))";
+    let words = "document.getElementById('scene-words').textContent";
+    let hand = "document.getElementById('hand').textContent";
+    let has_balls =
+        ["--red", "--green", "--blue", "--yellow"].map(|colour| format!("{} > 0", drawn_in(colour)));
+    let none = has_balls.clone().map(|has| format!("!({has})")).join(" && ");
+    for _ in 0..2 {
+        pretend(&browser, &arm, &json!(10_000));
+        browser.until(&format!("/known by(all|two|one)/.test({hand}) && {hand}.includes('hand at')"));
+        browser
+            .until(&format!("{gauges}.length === 6 && {gauges}.every((text) => /\\d (mm|deg)$/.test(text))"));
+        browser.until(&format!("{words}.includes('rings') && !{words}.includes('hollow')"));
+        browser.until(&format!(
+            "{cells}.length === 10 && {cells}.filter((text) => /^\\d+\\/s$/.test(text)).length === 2"
+        ));
+        browser.until(&format!("!{cells}.includes('not known') && {}", has_balls.join(" && ")));
+
+        pretend(&browser, &arm, &json!(10_400_000));
+        browser.until(&format!("{hand}.includes('known bynothing: not heard for 10.4 s')"));
+        browser.until(&format!("{hand}.includes('hand was at') && !{hand}.includes('hand at')"));
+        browser.until(&format!("{gauges}.every((text) => text.endsWith('not known'))"));
+        browser.until(&format!("{words}.includes('hollow hand') && !{words}.includes('rings')"));
+        browser.until(&format!("{cells}.every((text) => text === '' || text === 'not known')"));
+        browser.until(&none);
+    }
+    let told = browser.log();
+    assert!(told.is_empty(), "{told:#?}");
 }

@@ -2,7 +2,7 @@ use super::*;
 use crate::console::app::app;
 use crate::console::control::Tab;
 use crate::console::desk::Desk;
-use crate::console::snapshot::{ArmView, CameraView, SpreadView};
+use crate::console::snapshot::{ArmView, BallView, CameraView, SpreadView};
 use crate::console::{Access, ViewKind};
 use crate::link::clock::ClockEstimate;
 use crate::link::{Doorbell, LinkStats};
@@ -10,6 +10,7 @@ use crate::robot::clock::Clock;
 use axum::body::{Body, to_bytes};
 use axum::http::Request;
 use std::collections::BTreeSet;
+use tetrad_core::observation::Observations;
 use tetrad_core::wire::{ArmReason, ArmState};
 use tetrad_fixtures::packets;
 use tower::ServiceExt as _;
@@ -128,6 +129,38 @@ async fn ages_go_on_while_the_loop_tells_nothing() {
     );
     let unknown = "tetrad_camera_age_seconds{camera=\"right\"}";
     assert!(!metrics.contains(unknown), "one that was never heard has no age:\n{metrics}");
+}
+
+/// What a camera saw before it fell silent is not what it sees: a one would be believed.
+#[tokio::test]
+async fn of_what_is_silent_nothing_is_told() {
+    let balls = BallView::all(&Observations::default());
+    let camera = |name: &str, age_us| {
+        let (name, balls) = (name.to_owned(), balls.clone());
+        CameraView { name, age_us, balls, ..CameraView::default() }
+    };
+    let cameras =
+        vec![camera("fresh", Some(SILENT_US)), camera("old", Some(SILENT_US + 1)), camera("never", None)];
+    let arm = packets::arm_state(ArmState::Hold, ArmReason::None);
+    let told = Snapshot {
+        time_us: 5_000_000,
+        cameras,
+        arm: Some(ArmView::of(&arm, 4_500_000, true, 5_000_000)),
+        ..Snapshot::default()
+    };
+    let seen_by = |metrics: &str, camera: &str| {
+        metrics.matches(&format!("tetrad_ball_visible{{camera=\"{camera}\",ball=")).count()
+    };
+    let metrics = read_at(told.clone(), 5_000_000).await;
+    assert_eq!(["fresh", "old", "never"].map(|camera| seen_by(&metrics, camera)), [4, 0, 0], "{metrics}");
+    has(
+        &metrics,
+        &["tetrad_arm_state{state=\"hold\"} 1", "tetrad_camera_age_seconds{camera=\"old\"} 0.500001"],
+    );
+    // nor where the loop tells nothing new
+    let metrics = read_at(told, 5_000_001).await;
+    assert_eq!(seen_by(&metrics, "fresh"), 0, "{metrics}");
+    has(&metrics, &["tetrad_arm_state{state=\"hold\"} 0"]);
 }
 
 /// A monitor reads how long stages take now, not since this morning.

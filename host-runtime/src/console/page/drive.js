@@ -4,7 +4,7 @@ import { Controls } from "./controls.js";
 import { Gauges } from "./gauges.js";
 import { Live } from "./live.js";
 import {
-  find, isEngaged, items, keepName, keptName, KNOWN, lines, ms, rows, standingOf, viewsOf, watchLink, write,
+  find, isEngaged, isHeard, items, keepName, keptName, knownBy, lines, ms, rows, standingOf, viewsOf, watchLink, write,
 } from "./page.js";
 import { DelayPlot } from "./plot-delays.js";
 import { ENLARGED, Scene } from "./scene.js";
@@ -92,7 +92,8 @@ function show({ control, snapshot }) {
   look(snapshot);
   scene?.show(snapshot);
   showHand(snapshot);
-  gauges.show(snapshot.hand?.sigma_mm ?? null, snapshot.hand?.sigma_deg ?? null);
+  const hand = isHeard(snapshot.hand?.age_us) ? snapshot.hand : null;
+  gauges.show(hand?.sigma_mm ?? null, hand?.sigma_deg ?? null);
   showTables(snapshot);
   delays.show(snapshot.delays);
   lines(find("lines"), snapshot.lines);
@@ -108,15 +109,16 @@ function showArm(arm) {
 function showHand({ hand, engaged_share: share, arm, slave, pictures, recording }) {
   const axes = (values, digits) => values.map((value) => value.toFixed(digits)).join(", ");
   const facts = [];
+  const heard = isHeard(hand?.age_us);
   if (hand) {
-    facts.push(["hand known by", `${KNOWN[hand.state] ?? hand.state}, ${ms(hand.age_us)} ago`]);
-    if (hand.position_mm) facts.push(["hand at", `${axes(hand.position_mm, 1)} mm`]);
+    facts.push(["hand known by", knownBy(hand)]);
+    if (hand.position_mm) facts.push([heard ? "hand at" : "hand was at", `${axes(hand.position_mm, 1)} mm`]);
   }
   if (arm) {
     facts.push(["tool at", `${axes(arm.tool_mm, 0)} mm`]);
     facts.push(["joints", `${axes(arm.joints_deg ?? arm.set_point_deg, 1)} deg${arm.joints_deg ? "" : " (as told)"}`]);
     facts.push(["controller", arm.controller]);
-    facts.push(["asked speed", `${(arm.speed_share * 100).toFixed(0)} % of what is allowed`]);
+    if (!arm.silent) facts.push(["asked speed", `${(arm.speed_share * 100).toFixed(0)} % of what is allowed`]);
     facts.push(["followed", `${(share * 100).toFixed(0)} % of the time`]);
     facts.push(["heard", `arm ${ms(arm.age_us)} ago; it heard the button ${ms(arm.button_age_us)} ago`]);
   }
@@ -136,8 +138,9 @@ function showHand({ hand, engaged_share: share, arm, slave, pictures, recording 
     write(list.children[at] ?? list.appendChild(document.createElement(at % 2 ? "dd" : "dt")), text);
   });
   const asked = isEngaged(arm) && !arm.goes_home ? "; dotted: asked by the hand" : "";
-  const known = hand?.covariance_mm2 ? `; rings: how well the hand is known, x ${ENLARGED}` : "";
-  write(find("scene-words"), `${arm?.silent ? "hollow: as last measured; dashed: as last told" : "solid: measured; dashed: told"}${asked}${known}`);
+  const last = hand?.position_mm && !heard ? "; hollow hand: where it was last" : "";
+  const known = heard && hand.covariance_mm2 ? `; rings: how well the hand is known, x ${ENLARGED}` : "";
+  write(find("scene-words"), `${arm?.silent ? "hollow: as last measured; dashed: as last told" : "solid: measured; dashed: told"}${asked}${known}${last}`);
 }
 
 function recorded({ file, left_out: leftOut, failed }) {
@@ -152,7 +155,12 @@ function showTables({ cameras, links, delays: stages }) {
   };
   rows(
     find("cameras"),
-    cameras.map((camera) => [camera.name, camera.rate ? `${camera.rate.toFixed(0)}/s` : "", ms(camera.age_us), ...camera.balls.map(seen)]),
+    cameras.map((camera) => {
+      // of what a camera sees that is not heard any more nobody knows
+      const heard = isHeard(camera.age_us);
+      const rate = heard && camera.rate ? `${camera.rate.toFixed(0)}/s` : "";
+      return [camera.name, rate, ms(camera.age_us), ...camera.balls.map((ball) => (heard ? seen(ball) : "not known"))];
+    }),
   );
   rows(
     find("links"),

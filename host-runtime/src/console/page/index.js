@@ -1,7 +1,7 @@
 // Overview: what is ready and what is not, in words.
 
 import { Live } from "./live.js";
-import { find, isHeard, items, KNOWN, lines, ms, watchLink, write } from "./page.js";
+import { find, isHeard, items, knownBy, lines, ms, watchLink, write } from "./page.js";
 import { stopWith } from "./stop.js";
 
 const live = new Live();
@@ -16,7 +16,7 @@ live.addEventListener("live", ({ detail: { control, snapshot } }) => {
     return `${mark(seen === 4 && isHeard(camera.age_us))} ${camera.name}: ${seen} of 4 balls, heard ${ms(camera.age_us)} ago`;
   });
   const hand = snapshot.hand;
-  const known = hand ? `known by ${KNOWN[hand.state] ?? hand.state}, ${ms(hand.age_us)} ago` : "not seen yet";
+  const known = hand ? `known by ${knownBy(hand)}` : "not seen yet";
   checks.push(`${mark(hand?.position_mm && isHeard(hand.age_us))} hand: ${known}`);
   for (const link of snapshot.links) {
     checks.push(`${mark(link.connected && isHeard(link.age_us))} ${link.name}: ${link.connected ? `heard ${ms(link.age_us)} ago` : "AWAY"}`);

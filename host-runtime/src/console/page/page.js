@@ -24,6 +24,10 @@ export const inWords = (milliseconds) => ms(milliseconds * 1000);
 // Whether something of that age is known now; one without an age never came.
 export const isHeard = (us) => us !== null && us !== undefined && us <= SILENT_US;
 
+// What is known of the hand now. Of one that nothing was heard of for that long nothing is, however well it was known then.
+export const knownBy = (hand) =>
+  isHeard(hand.age_us) ? `${KNOWN[hand.state] ?? hand.state}, ${ms(hand.age_us)} ago` : `nothing: not heard for ${ms(hand.age_us)}`;
+
 // Whether the arm is known to move by the button; what was heard of a slave that is silent says nothing of now.
 export const isEngaged = (arm) => arm?.state === "engaged" && !arm.silent;
 
@@ -37,7 +41,7 @@ export const viewsOf = (told, { pictures }) =>
   told.map((view, at) => ({ ...view, at })).filter(({ kind, at }) => kind !== "eye" || pictures.some(({ view }) => view === at));
 
 // How the hand's pose is known.
-export const KNOWN = {
+const KNOWN = {
   both: "all balls in two cameras",
   three: "two cameras, not all balls",
   one: "one camera alone",

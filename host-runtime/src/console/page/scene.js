@@ -1,6 +1,7 @@
 // The arm and the hand in one scene, drawn on a canvas: where the joints were measured, as a ghost where they
 // were told to be, where the hand asks the tool to be, and the hand with its four balls.
 
+import { isHeard } from "./page.js";
 import { colour, whenRecoloured } from "./palette.js";
 import { add, column, compose, Eye, IDENTITY, inverse, product, skeleton, times, triangle, turn } from "./scene-space.js";
 
@@ -247,17 +248,21 @@ function shadow(page, places) {
 function drawHand(page, hand, robotFromHand) {
   const r = product(robotFromHand, hand.rotation);
   const origin = add(STAND, turn(robotFromHand, times(hand.position_mm, 1e-3)));
-  const [rod, edge] = [colour("--soft"), colour("--text")];
+  const heard = isHeard(hand.age_us);
+  // hollow, as the arm: that it is still there is not known
+  const hollow = colour("--panel");
+  const [rod, edge] = [heard ? colour("--soft") : hollow, colour("--text")];
   const ends = [origin, ...[0, 1, 2].map((axis) => add(origin, times(column(r, axis), HAND_ARM_M)))];
   page.line([...STAND.slice(0, 2), 0], [...origin.slice(0, 2), 0], colour("--line"), 4);
   page.line([...origin.slice(0, 2), 0], origin, colour("--line"), 1, [2, 4]);
   ends.forEach((end, at) => {
     if (at) page.rod(origin, end, rod, edge, 0.012);
-    page.ball(end, BALL_M, colour(COLOURS[at]), edge, LETTERS[at], colour("--on-ball"));
+    const [style, ink] = heard ? [colour(COLOURS[at]), colour("--on-ball")] : [hollow, edge];
+    page.ball(end, BALL_M, style, edge, LETTERS[at], ink);
   });
-  if (hand.covariance_mm2) ellipsoid(page, origin, robotFromHand, hand.covariance_mm2);
+  if (heard && hand.covariance_mm2) ellipsoid(page, origin, robotFromHand, hand.covariance_mm2);
   const known = hand.state === "both" || hand.state === "three" || hand.state === "one";
-  page.word(origin, known ? "hand" : `hand (${hand.state})`, colour("--text"), 12, 24);
+  page.word(origin, !heard ? "hand: not heard now" : known ? "hand" : `hand (${hand.state})`, colour("--text"), 12, 24);
 }
 
 // One standard deviation about the hand's place, enlarged: three circles of the ellipsoid.

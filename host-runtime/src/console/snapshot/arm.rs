@@ -7,7 +7,7 @@ use tetrad_core::geometry::Pose;
 use tetrad_core::wire::{ArmState, ArmStatePacket};
 
 /// An arm that was not heard for longer may do anything meanwhile, microseconds: as old as a picture may be that
-/// somebody steers by.
+/// somebody steers by. What a hand does, and what a camera sees, is as little known then.
 pub const SILENT_US: u64 = 500_000;
 
 /// The arm, as the slave tells it.
