@@ -7,6 +7,7 @@ use crate::link::LinkStats;
 use crate::station::camera::Windows;
 use crate::station::delays::{Delays, Spread, Stage};
 use crate::station::operator::OperatorStep;
+pub(super) use arm::silence;
 pub use arm::{ArmView, GoalView, SILENT_US, SlaveView, is_engaged};
 use serde::Serialize;
 use tetrad_core::observation::{Ball, ObservationState, Observations};

@@ -6,7 +6,7 @@ use super::pages::{TABLET, screens};
 use super::program::Program;
 use super::turn;
 use super::witness::Witness;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::time::Instant;
 
 /// A tablet held sideways, CSS pixels.
@@ -84,6 +84,43 @@ fn shown_s(browser: &Browser) -> f64 {
         .unwrap_or_else(|| panic!("no time: {text}"))
 }
 
+/// Has the page take all that was known at the end of the session for silent then, or for heard, and looks at what it
+/// says of it.
+fn says_what_was_silent(browser: &Browser, silent: bool) {
+    browser.script(&format!(
+        "window.json ??= Response.prototype.json;
+         Response.prototype.json = async function () {{
+           const told = await window.json.call(this);
+           const [silent, age_us] = [{silent}, 700_000];
+           const arm = silent ? {{ slowed: [], speed_share: null }} : {{ slowed: ['slowed'], speed_share: 0.25 }};
+           if (told?.arm) Object.assign(told.arm, {{ silent, standing: `pretended, ${{silent}}`, ...arm }});
+           const balls = ['red', 'green', 'blue', 'yellow'].map((name) => ({{ name, state: 'visible', visible: 1 }}));
+           for (const one of told?.cameras ?? []) Object.assign(one, {{ stale: silent, age_us, balls }});
+           if (told?.hand) Object.assign(told.hand, {{ silent, age_us }});
+           return told;
+         }};"
+    ));
+    // from elsewhere to the end, where all was heard
+    browser.tap("\u{e011}");
+    browser.tap("\u{e010}");
+    let text = |id: &str| format!("document.getElementById('{id}').textContent");
+    browser.until(&format!("{} === 'pretended, {silent}'", text("standing")));
+    let now = browser.script(&format!(
+        "return [document.body.classList.contains('unheard'),
+           [...document.querySelectorAll('#views figure')].map((figure) =>
+             [figure.classList.contains('stale'), figure.querySelector('.stamp').textContent]),
+           {}.includes('Share of its speednot known'),
+           {}.startsWith('Knownnothing: not heard for 700 ms'),
+           {}.includes('not known')]",
+        text("arm"),
+        text("hand"),
+        text("cameras")
+    ));
+    let stamp = if silent { "STALE: taken 700 ms before" } else { "taken 700 ms before" };
+    let figure = json!([silent, stamp]);
+    assert_eq!(now, json!([silent, [figure.clone(), figure], silent, silent, silent]));
+}
+
 #[test]
 fn a_session_is_scrubbed_exported_and_plotted() {
     let _turn = turn();
@@ -138,6 +175,11 @@ fn a_session_is_scrubbed_exported_and_plotted() {
         "(now => now > 0.2 && now < {length_s})(parseFloat(document.getElementById('time').textContent))"
     ));
     browser.tap("p");
+
+    // what was silent by the moment that is shown is not known
+    for silent in [false, true] {
+        says_what_was_silent(&browser, silent);
+    }
 
     // all of it: plots beside each other whatever the window's size, and files
     browser.click("#whole");

@@ -178,13 +178,14 @@ function paint(camera, number, bitmap) {
   const figure = find("views").children[number];
   const canvas = figure.querySelector("canvas");
   figure.classList.toggle("missing", bitmap === null);
+  figure.classList.toggle("stale", bitmap !== null && camera.stale);
   if (bitmap) {
     draw(canvas, bitmap, camera.balls ?? []);
     bitmap.close();
   } else {
     canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
   }
-  write(figure.querySelector(".stamp"), camera.age_us === null ? "no picture" : `taken ${ms(camera.age_us)} before`);
+  write(figure.querySelector(".stamp"), camera.age_us === null ? "no picture" : `${camera.stale ? "STALE: " : ""}taken ${ms(camera.age_us)} before`);
 }
 
 const number = (value, digits) => (value === null || value === undefined ? "not known" : value.toFixed(digits));
@@ -199,6 +200,7 @@ function define(list, pairs) {
 }
 
 function facts({ cameras, hand, arm, buttons, lines: told }) {
+  document.body.classList.toggle("unheard", Boolean(arm?.silent));
   write(find("standing"), arm ? arm.standing : "no arm is recorded by then");
   items(find("limits"), arm?.slowed ?? []);
   const held = buttons?.home ? "held for the way home" : "held";
@@ -207,22 +209,22 @@ function facts({ cameras, hand, arm, buttons, lines: told }) {
   define(find("arm"), arm ? [
     ["Hold-to-run", button],
     ["Scale of the next press", scale === null ? "not recorded" : `${scale} % of the slave's`],
-    ["Share of its speed", `${(arm.speed_share * 100).toFixed(0)} %`],
+    ["Share of its speed", arm.speed_share === null ? "not known" : `${(arm.speed_share * 100).toFixed(0)} %`],
     ["Heard", `${ms(arm.age_us)} before`],
     ["Newest motion, age", ms(arm.command_age_us)],
     ["Joints", numbers(arm.joints_deg, 1, "deg")],
     ["Set-point", numbers(arm.set_point_deg, 1, "deg")],
   ] : [["Hold-to-run", button]]);
   define(find("hand"), hand ? [
-    ["Known", hand.state],
-    ["Place", hand.position_mm ? numbers(hand.position_mm, 1, "mm") : `not known: ${hand.refusal || "no pose"}`],
+    ["Known", hand.silent ? `nothing: not heard for ${ms(hand.age_us)}` : hand.state],
+    [hand.silent ? "Place, last" : "Place", hand.position_mm ? numbers(hand.position_mm, 1, "mm") : `not known: ${hand.refusal || "no pose"}`],
     ["Fits to", hand.residual_px === null ? "not known" : `${number(hand.residual_px, 2)} px`],
     ["Of the instant", `${ms(hand.age_us)} before`],
   ] : [["Known", "nothing is recorded by then"]]);
   rows(find("cameras"), cameras.map((camera, at) => {
     const balls = BALLS.map((name) => {
       const ball = camera.balls?.find((one) => one.name === name);
-      return ball ? `${ball.state}${ball.state === "lost" ? "" : ` ${(ball.visible * 100).toFixed(0)} %`}` : "-";
+      return ball && camera.stale ? "not known" : ball ? `${ball.state}${ball.state === "lost" ? "" : ` ${(ball.visible * 100).toFixed(0)} %`}` : "-";
     });
     return [session.cameras[at].name, camera.age_us === null ? "none" : `${ms(camera.age_us)} before`, ...balls];
   }));

@@ -1,6 +1,6 @@
 //! What pages are told of a session.
 
-use crate::console::snapshot::BallView;
+use crate::console::snapshot::{BallView, SILENT_US, silence};
 use crate::session::schema::tetrad as msg;
 use crate::session::{CameraThen, Index, Moment, Topic, moments};
 use serde::Serialize;
@@ -96,6 +96,8 @@ pub(super) struct At {
 struct CameraAt {
     /// `None`: there is no picture of it.
     age_us: Option<u64>,
+    /// What it saw last is old, and not what it saw then.
+    stale: bool,
     /// `None`: nothing that was seen in it is recorded.
     balls: Option<Vec<BallView>>,
 }
@@ -103,6 +105,8 @@ struct CameraAt {
 #[derive(Debug, Serialize)]
 struct HandAt {
     age_us: u64,
+    /// Nothing was known of it any more: the rest is what was known last.
+    silent: bool,
     state: &'static str,
     position_mm: Option<[f32; 3]>,
     /// The rotation row by row.
@@ -114,14 +118,19 @@ struct HandAt {
 #[derive(Debug, Serialize)]
 struct ArmAt {
     age_us: u64,
+    /// Nothing was heard of it for so long that nobody knew what it did.
+    silent: bool,
+    /// While it was silent, what it was last.
     state: String,
+    /// That nobody knew, while it was silent.
     standing: String,
     /// What kept it from following as it was asked, and what else there was to tell of it: whole lines, of which
-    /// those that are of a slowing say so themselves.
+    /// those that are of a slowing say so themselves; nothing while it was silent.
     slowed: Vec<String>,
     /// Metres of the tool for one of the hand; `None` in sessions that do not say.
     scale: Option<f32>,
-    speed_share: f32,
+    /// `None` while it was silent.
+    speed_share: Option<f32>,
     command_age_us: Option<u64>,
     joints_deg: Vec<f32>,
     set_point_deg: Vec<f32>,
@@ -161,6 +170,7 @@ impl At {
             cameras: moment.cameras.iter().map(|camera| CameraAt::of(camera, at_us)).collect(),
             hand: moment.hand.as_ref().map(|hand| HandAt {
                 age_us: age(hand.time_us),
+                silent: is_silent(age(hand.time_us)),
                 state: hand.state.name(),
                 position_mm: hand.pose.map(|pose| (pose.translation * 1e3).into()),
                 rotation: hand.pose.map(|pose| {
@@ -188,16 +198,23 @@ impl At {
     }
 }
 
+/// As the pages have it while it happens.
+const fn is_silent(age_us: u64) -> bool {
+    age_us > SILENT_US
+}
+
 impl ArmAt {
     fn of(arm: &msg::Arm, age_us: u64) -> Self {
         let degrees = |joints: &[f32]| joints.iter().map(|q| q.to_degrees()).collect();
+        let silent = is_silent(age_us);
         Self {
             age_us,
+            silent,
             state: arm.state.clone(),
-            standing: arm.standing.clone(),
-            slowed: arm.slowed.clone(),
+            standing: if silent { silence(age_us) } else { arm.standing.clone() },
+            slowed: if silent { Vec::new() } else { arm.slowed.clone() },
             scale: Some(arm.scale).filter(|scale| *scale > 0.0),
-            speed_share: arm.speed_share,
+            speed_share: (!silent).then_some(arm.speed_share),
             command_age_us: arm.command_age_us,
             joints_deg: degrees(&arm.measured),
             set_point_deg: degrees(&arm.set_point),
@@ -207,8 +224,11 @@ impl ArmAt {
 
 impl CameraAt {
     fn of(camera: &CameraThen, at_us: u64) -> Self {
+        // of a camera of another station there may be what it saw, and no picture
+        let last_us = camera.picture_us.or(camera.seen.as_ref().map(|(time_us, _)| *time_us));
         Self {
             age_us: camera.picture_us.map(|time_us| at_us.saturating_sub(time_us)),
+            stale: last_us.is_some_and(|time_us| is_silent(at_us.saturating_sub(time_us))),
             balls: camera.seen.as_ref().map(|(_, balls)| BallView::all(balls)),
         }
     }

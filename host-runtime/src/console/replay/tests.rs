@@ -1,5 +1,6 @@
 use super::*;
 use crate::console::app::app;
+use crate::console::snapshot::SILENT_US;
 use crate::console::{Access, Desk, Token};
 use crate::link::Doorbell;
 use crate::robot::clock::Clock;
@@ -131,6 +132,32 @@ async fn a_session_is_shown_moment_by_moment() {
     );
     let last = page.json("/api/sessions/a.mcap/moment?t_us=99999999999").await;
     assert_eq!((&last["number"], &last["next_us"]), (&30.into(), &Value::Null));
+}
+
+/// An arm that was engaged when its slave died is not shown as engaged ever after.
+#[tokio::test]
+async fn what_was_silent_is_shown_as_not_known() {
+    let page = Page::new();
+    small(&page.path("a.mcap"), 3);
+    let last_us = 2 * PERIOD_US;
+    let at = async |t_us: u64| page.json(&format!("/api/sessions/a.mcap/moment?t_us={t_us}")).await;
+    let fresh = at(last_us + SILENT_US).await;
+    let arm = &fresh["arm"];
+    assert_eq!((&arm["silent"], &arm["standing"]), (&false.into(), &"engaged".into()));
+    assert_eq!((&arm["speed_share"], &arm["slowed"][1].is_string()), (&0.5.into(), &true));
+    assert_eq!(fresh["hand"]["silent"], false);
+    // the arm and what the other station's camera saw came a little later than the hand and the picture
+    let between = at(last_us + SILENT_US + 1).await;
+    assert_eq!((&between["arm"]["silent"], &between["hand"]["silent"]), (&false.into(), &true.into()));
+    let old = at(last_us + 3_200_002).await;
+    let arm = &old["arm"];
+    assert_eq!((&arm["silent"], &arm["state"]), (&true.into(), &"engaged".into()));
+    assert_eq!(arm["standing"], "silent for 3.2 s: nobody knows what the arm does");
+    assert_eq!((&arm["speed_share"], &arm["slowed"]), (&Value::Null, &serde_json::json!([])));
+    for (moment, stale) in [(&fresh, [false, false]), (&between, [true, false]), (&old, [true, true])] {
+        let told = [0, 1].map(|camera| &moment["cameras"][camera]["stale"]);
+        assert_eq!(told, stale.map(Value::from).each_ref());
+    }
 }
 
 #[tokio::test]

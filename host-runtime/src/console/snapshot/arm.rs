@@ -112,7 +112,7 @@ impl ArmView {
 }
 
 /// What is said of an arm that has said nothing for so long.
-fn silence(age_us: u64) -> String {
+pub(crate) fn silence(age_us: u64) -> String {
     format!("silent for {:.1} s: nobody knows what the arm does", age_us as f64 / 1e6)
 }
 
