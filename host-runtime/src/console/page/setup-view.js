@@ -106,6 +106,7 @@ export class SetUpView {
     if (!camera) return;
     const use = camera.in_use ? "in use" : camera.here ? "not in use yet" : "";
     write(this.note, [camera.said, use].filter(Boolean).join("; "));
+    this.note.classList.toggle("bad", camera.failed);
     this.list.hidden = !camera.here;
     this.files.hidden = !camera.here;
     write(this.where, camera.file ?? "no file keeps them");

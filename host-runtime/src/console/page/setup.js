@@ -128,7 +128,9 @@ function showStills(wanted) {
 
 const actions = {
   async find() {
-    if (await post("find")) showStills(true);
+    if (!(await post("find"))) return;
+    showStills(true);
+    say(state.said, state.cameras.some((camera) => camera.failed));
   },
   still: () => stand(!page.stands),
   async use() {

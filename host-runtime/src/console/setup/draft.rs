@@ -61,8 +61,8 @@ pub(super) struct Draft {
     pub(super) lessons: [Option<Lesson>; BALLS],
     /// Where they were learnt, for the file.
     pub(super) origin: Option<Origin>,
-    /// What came of the last search.
-    pub(super) said: String,
+    /// What came of the last search, in words, where nothing else was learnt or shown since.
+    pub(super) searched: Option<Result<String, String>>,
 }
 
 impl Draft {
@@ -75,7 +75,7 @@ impl Draft {
     /// The same, looked at in another picture.
     pub(super) fn with_still(mut self, still: StillPicture) -> Self {
         self.still = Some(still);
-        self.said.clear();
+        self.searched = None;
         self.judge(&Seeds::default());
         self
     }
@@ -90,9 +90,23 @@ impl Draft {
         Ball::ALL.into_iter().find(|ball| self.lessons[ball.index()].is_none())
     }
 
+    /// What came of the last search, in words.
+    pub(super) fn said(&self) -> String {
+        match &self.searched {
+            Some(Ok(said) | Err(said)) => said.clone(),
+            None => String::new(),
+        }
+    }
+
     /// Whether the last search found all four.
     pub(super) fn was_found(&self) -> bool {
-        self.lessons.iter().all(|lesson| lesson.is_some_and(|lesson| lesson.how == How::Found))
+        matches!(self.searched, Some(Ok(_)))
+    }
+
+    /// Nothing was found in the still picture; what was known before is judged in it, wherever it is there.
+    fn was_not_found(&mut self, why: String) {
+        self.searched = Some(Err(why));
+        self.judge(&Seeds::default());
     }
 
     /// What is kept in a file.
@@ -107,7 +121,7 @@ impl Draft {
     pub(super) fn load(&mut self, colours: &Colours) {
         self.lessons = colours.balls.map(|ball| ball.map(|ball| Lesson::new(ball, How::Loaded)));
         self.origin.clone_from(&colours.origin);
-        self.said.clear();
+        self.searched = None;
         self.judge(&Seeds::default());
     }
 
@@ -125,7 +139,7 @@ impl Draft {
         let Some(learnt) = &taught[ball.index()] else { return Ok(()) };
         self.lessons[ball.index()] = Some(Lesson::new(learning::as_colours(learnt), How::Pointed));
         self.of(&still, source);
-        self.said.clear();
+        self.searched = None;
         self.judge_in(&frame, &self.places());
         Ok(())
     }
@@ -147,10 +161,9 @@ impl Draft {
     }
 
     fn judge(&mut self, places: &Seeds) {
-        let Some(still) = self.still.clone() else {
-            self.lessons.iter_mut().flatten().for_each(|lesson| lesson.judged = None);
-            return;
-        };
+        // what was judged before was of another picture
+        self.lessons.iter_mut().flatten().for_each(|lesson| lesson.judged = None);
+        let Some(still) = self.still.clone() else { return };
         if let Ok(frame) = still.picture.view() {
             self.judge_in(&frame, places);
         }
@@ -172,6 +185,9 @@ pub(super) fn find(drafts: &mut [(Draft, String)]) {
     let stills: Vec<_> = drafts.iter().filter_map(|(draft, _)| draft.still.clone()).collect();
     let views: Vec<_> = stills.iter().filter_map(|still| still.picture.view().ok()).collect();
     if views.len() != drafts.len() {
+        for (draft, _) in drafts {
+            draft.was_not_found("the pictures cannot be searched".to_owned());
+        }
         return;
     }
     let proposal = propose(&views, &ProposeConfig::default());
@@ -186,13 +202,13 @@ pub(super) fn find(drafts: &mut [(Draft, String)]) {
                 draft.of(still, source);
                 let places = draft.places();
                 draft.judge_in(view, &places);
-                draft.said = format!(
+                draft.searched = Some(Ok(format!(
                     "all four balls found: {:.0} of 100 points, the next best four have {:.0}",
                     found.score * 100.0,
                     found.runner_up * 100.0
-                );
+                )));
             }
-            Err(reason) => draft.said = reason.to_string(),
+            Err(reason) => draft.was_not_found(reason.to_string()),
         }
     }
 }

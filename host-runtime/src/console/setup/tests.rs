@@ -1,4 +1,5 @@
 mod room;
+mod search;
 
 use super::*;
 use crate::colours::Colours;

@@ -28,6 +28,8 @@ struct CameraTold {
     here: bool,
     /// Why it cannot be taught here, or what came of the last search.
     said: String,
+    /// Whether that search has failed.
+    failed: bool,
     file: Option<String>,
     still: Option<StillTold>,
     /// Whether it is tracked with just this.
@@ -79,7 +81,7 @@ impl Told {
             let (here, said, file, in_use) = match &camera.place {
                 SetUpPlace::Here { handle, file, .. } => {
                     let file = file.as_ref().map(|file| file.display().to_string());
-                    (true, draft.said.clone(), file, handle.taught() == draft.taught())
+                    (true, draft.said(), file, handle.taught() == draft.taught())
                 }
                 SetUpPlace::Elsewhere(why) => (false, (*why).to_owned(), None, false),
             };
@@ -88,7 +90,8 @@ impl Told {
                 StillTold { number: still.number, width, height }
             });
             let balls = if here { balls(draft) } else { Vec::new() };
-            CameraTold { name: camera.name.clone(), view, here, said, file, still, in_use, balls }
+            let failed = matches!(draft.searched, Some(Err(_)));
+            CameraTold { name: camera.name.clone(), view, here, said, failed, file, still, in_use, balls }
         });
         let cameras = cameras.collect();
         drop(drafts);

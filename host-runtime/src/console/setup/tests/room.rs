@@ -15,6 +15,7 @@ use crate::station::{CameraStation, CameraThread, Label};
 use axum::body::{Body, to_bytes};
 use axum::http::{Method, Request, StatusCode};
 use serde_json::Value;
+use std::sync::atomic::AtomicBool;
 use tetrad_core::config::{LearnConfig, TrackerConfig};
 use tetrad_core::geometry::ImagePoint;
 use tetrad_core::observation::BALLS;
@@ -27,7 +28,18 @@ use tower::ServiceExt as _;
 struct Standing {
     info: SourceInfo,
     rgb: Vec<u8>,
+    /// The same with a palm close before it.
+    covered: Vec<u8>,
     number: u64,
+    palm: Arc<Palm>,
+}
+
+/// A hand before a camera, or not.
+#[derive(Default)]
+struct Palm {
+    covers: AtomicBool,
+    /// Pictures that were taken so far.
+    taken: AtomicU64,
 }
 
 impl Source for Standing {
@@ -38,12 +50,17 @@ impl Source for Standing {
     fn next(&mut self) -> Result<Option<Frame<'_>>, SourceError> {
         std::thread::sleep(Duration::from_millis(2));
         self.number += 1;
+        self.palm.taken.fetch_add(1, Ordering::SeqCst);
         let SourceInfo { width, height, format, .. } = self.info;
-        let view = FrameView::packed(&self.rgb, width, height, format).unwrap();
+        let seen = if self.palm.covers.load(Ordering::SeqCst) { &self.covered } else { &self.rgb };
+        let view = FrameView::packed(seen, width, height, format).unwrap();
         let (index, t_s) = (self.number, self.number as f64 * 2e-3);
         Ok(Some(Frame { view, index, number: index, t_s, gap: Gap::None }))
     }
 }
+
+/// What is seen of a palm, red, green and blue.
+const PALM: [u8; 3] = [180, 140, 120];
 
 const NAMES: [&str; 2] = ["left", "right"];
 
@@ -55,6 +72,7 @@ pub(super) struct Room {
     pub(super) places: Vec<[ImagePoint; BALLS]>,
     pub(super) dir: tempfile::TempDir,
     pub(super) threads: Vec<CameraThread>,
+    palms: Vec<Arc<Palm>>,
 }
 
 pub(super) fn room() -> Room {
@@ -62,12 +80,16 @@ pub(super) fn room() -> Room {
     let dir = tempfile::tempdir().unwrap();
     let (clock, desk) = desk();
     let (mut threads, mut cameras, mut places) = (Vec::new(), Vec::new(), Vec::new());
+    let mut palms = Vec::new();
     for (index, name) in NAMES.into_iter().enumerate() {
         let at = scene.truth(0, index).map(|ball| {
             let (u, v) = ball.outline_centre;
             ImagePoint::new(u as f32, v as f32)
         });
         let (source, balls) = standing(&scene, index, name, &at);
+        let palm = Arc::new(Palm::default());
+        let source = Box::new(Standing { palm: Arc::clone(&palm), ..source });
+        palms.push(palm);
         let start = CameraStart::anywhere(balls);
         let label = Label { camera: index as u8, session: 1 };
         let open = Box::new(|| panic!("it is opened once"));
@@ -85,7 +107,7 @@ pub(super) fn room() -> Room {
         place: SetUpPlace::Elsewhere("it is at another computer"),
     });
     desk.set_up_with(SetUp::new(cameras, 0.08, None));
-    Room { desk, clock, places, dir, threads }
+    Room { desk, clock, places, dir, threads, palms }
 }
 
 pub(super) fn desk() -> (Clock, Desk) {
@@ -95,7 +117,7 @@ pub(super) fn desk() -> (Clock, Desk) {
     (clock, desk)
 }
 
-fn standing(scene: &Scene, camera: usize, name: &str, at: &[ImagePoint; BALLS]) -> (Box<dyn Source>, Taught) {
+fn standing(scene: &Scene, camera: usize, name: &str, at: &[ImagePoint; BALLS]) -> (Standing, Taught) {
     let mut rgb = Vec::new();
     scene.render_rgb(0, camera, &mut rgb);
     let (width, height, format) = (scene.width, scene.height, PixelFormat::Rgb888);
@@ -112,7 +134,8 @@ fn standing(scene: &Scene, camera: usize, name: &str, at: &[ImagePoint; BALLS]) 
         live: true,
         labels: Labels::Order,
     };
-    (Box::new(Standing { info, rgb, number: 0 }), balls)
+    let covered = PALM.repeat(rgb.len() / 3);
+    (Standing { info, rgb, covered, number: 0, palm: Arc::default() }, balls)
 }
 
 impl Room {
@@ -142,6 +165,18 @@ impl Room {
     pub(super) fn why((status, told): (StatusCode, Value), expected: StatusCode) -> String {
         assert_eq!(status, expected, "{told}");
         told["why"].as_str().expect("words").to_owned()
+    }
+
+    /// A palm is before both cameras from the next pictures on, or no more.
+    pub(super) fn cover(&self, covers: bool) {
+        for palm in &self.palms {
+            palm.covers.store(covers, Ordering::SeqCst);
+            // the one that is looked at now may be of before
+            let before = palm.taken.load(Ordering::SeqCst);
+            while palm.taken.load(Ordering::SeqCst) < before + 2 {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
     }
 
     pub(super) fn taught(&self, camera: usize) -> Taught {
