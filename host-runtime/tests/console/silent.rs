@@ -141,3 +141,41 @@ fn a_hand_and_cameras_that_are_silent_are_not_shown_as_known() {
     let told = browser.log();
     assert!(told.is_empty(), "{told:#?}");
 }
+
+#[test]
+fn a_station_that_is_away_is_not_in_the_same_program() {
+    let _turn = turn();
+    let test = "console::silent::a_station_that_is_away_is_not_in_the_same_program";
+    let Some(browser) = Browser::open(test) else { return };
+    let program = Program::operator();
+    browser.go(&program.url("/drive"));
+    let says = |heard: &str, lost: &str| {
+        browser.until(&format!(
+            "((cells) => cells.length === 4 && /{heard}/.test(cells[1]) && cells[2] === '{lost}')(
+               [...document.querySelectorAll('#links td')].map((cell) => cell.textContent))"
+        ));
+    };
+    // its slave is there
+    says("\\d ms$", "same program");
+    // as another computer's is that nobody has reached yet, that was reached, and that has got nothing lately
+    for (link, heard, lost) in [
+        (
+            json!({"connected": false, "sent_packets": 0, "lost_packets": 0, "loss": null}),
+            "^AWAY$",
+            "none sent",
+        ),
+        (
+            json!({"connected": true, "sent_packets": 40, "lost_packets": 1, "loss": 0.025, "loss_lately": 0.5}),
+            "ms$",
+            "50.0 % (2.5 % in all)",
+        ),
+        (
+            json!({"connected": false, "sent_packets": 40, "lost_packets": 1, "loss": 0.025, "loss_lately": null}),
+            "^AWAY$",
+            "none sent (2.5 % in all)",
+        ),
+    ] {
+        alter(&browser, &format!("Object.assign(snapshot.links[0], {link});"));
+        says(heard, lost);
+    }
+}

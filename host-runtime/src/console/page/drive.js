@@ -167,7 +167,7 @@ function showTables({ cameras, links, delays: stages }) {
     links.map((link) => [
       link.name,
       link.connected ? ms(link.age_us) : "AWAY",
-      link.loss === null ? "same program" : `${percent(link.loss_lately)} (${percent(link.loss)} in all)`,
+      lossOf(link),
       link.round_trip_us === null ? "" : `${(link.round_trip_us / 1000).toFixed(2)} ms`,
     ]),
   );
@@ -178,6 +178,12 @@ function showTables({ cameras, links, delays: stages }) {
 }
 
 const percent = (share) => (share === null || share === undefined ? "none sent" : `${(share * 100).toFixed(1)} %`);
+
+// What was lost on the way to a station; one in the same program counts no packets, one that is away has got none.
+function lossOf({ sent_packets: sent, loss, loss_lately: lately }) {
+  if (sent === null) return "same program";
+  return loss === null ? "none sent" : `${percent(lately)} (${percent(loss)} in all)`;
+}
 
 // Half within, 99 of 100 within, the longest, milliseconds; null where nothing was measured.
 const spread = (of) => [of?.p50_ms, of?.p99_ms, of?.max_ms].map((value) => value?.toFixed(2) ?? "");
