@@ -13,6 +13,9 @@ use std::path::PathBuf;
 /// A tablet held upright, CSS pixels.
 pub(crate) const TABLET: (u32, u32) = (768, 1024);
 
+/// A desk's screen at 400 %, CSS pixels: from there on nothing has to be scrolled sideways (WCAG 2.2, 1.4.10).
+const NARROW: (u32, u32) = (320, 256);
+
 /// Where pictures of pages are left.
 pub(crate) fn screens() -> PathBuf {
     let folder = tetrad_tests::target().join("verify/screens");
@@ -126,17 +129,25 @@ fn every_page_is_clean_and_has_its_picture_taken() {
     for path in pages(&browser, &program) {
         // what the pages were told before is not of this one
         browser.log();
-        for (size, of) in [(DESK, "desk"), (TABLET, "tablet")] {
+        for (size, of) in [(DESK, "desk"), (TABLET, "tablet"), (NARROW, "narrow screen")] {
             for scheme in ["light", "dark"] {
                 browser.look(size, scheme);
                 browser.go(&program.url(&path));
                 settle(&browser);
                 let name = if path == "/" { "overview" } else { path.trim_matches('/') };
-                let file = folder.join(format!("{}-{of}-{scheme}.png", name.replace('/', "-")));
+                let file =
+                    folder.join(format!("{}-{}-{scheme}.png", name.replace('/', "-"), of.replace(' ', "-")));
                 std::fs::write(&file, browser.picture()).expect("a picture");
                 taken += 1;
                 let wide = browser.script("return document.documentElement.scrollWidth > innerWidth");
                 assert_eq!(wide, false, "{path} does not fit a {of}");
+                let shown = browser.script(
+                    "return ['stop', 'link'].every((id) => {
+                       const box = document.getElementById(id).getBoundingClientRect();
+                       return box.left >= 0 && box.right <= innerWidth && box.top >= 0 && box.bottom <= innerHeight;
+                     })",
+                );
+                assert_eq!(shown, true, "{path}: STOP and the link's state are to be seen on a {of}");
             }
         }
         let told = browser.log();

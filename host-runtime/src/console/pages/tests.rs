@@ -121,6 +121,24 @@ fn stop_is_the_first_that_the_keyboard_reaches() {
     }
 }
 
+/// A reader of the screen finds the page's name, and is told what changes: of a list's roles a status is none.
+#[test]
+fn every_page_has_one_name_and_no_list_is_a_status() {
+    let signing_in = include_str!("../page/sign-in.html");
+    let of_pages = PAGES.iter().filter(|page| page.kind == HTML).map(|page| (page.path, page.content));
+    let all: Vec<_> = of_pages.chain([("/sign-in", signing_in)]).collect();
+    assert!(all.len() >= 6);
+    for (path, content) in all {
+        assert_eq!(content.matches("<h1").count(), 1, "{path}");
+        for list in ["<ul", "<ol", "<dl"] {
+            for rest in content.split(list).skip(1) {
+                let attributes = rest.split('>').next().unwrap();
+                assert!(!attributes.contains("role="), "{path}: {list}{attributes}>");
+            }
+        }
+    }
+}
+
 /// Names of elements that scripts look for are in the page that loads them.
 #[test]
 fn scripts_find_their_elements() {
