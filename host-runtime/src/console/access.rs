@@ -152,7 +152,7 @@ impl Access {
         if length.is_some_and(|length| length.parse().map_or(true, |length: usize| length > MAX_BODY)) {
             return Err(Refused::TooLarge);
         }
-        let open = matches!(uri.path(), "/health" | "/sign-in" | "/style.css");
+        let open = matches!(uri.path(), "/health" | "/sign-in" | "/style.css" | "/icon.svg");
         match &self.token {
             Some(token) if !given(headers).any(|given| token.is(given)) => {
                 if open {

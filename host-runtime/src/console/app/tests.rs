@@ -94,6 +94,22 @@ async fn nothing_is_named_that_is_not_there() {
     }
 }
 
+/// Whoever has no token yet gets the page where it is asked for whole: a browser asks for its icon elsewhere, in vain,
+/// where it names none.
+#[tokio::test]
+async fn what_the_sign_in_page_names_is_there_without_a_token() {
+    let page = ask(&desk(), &with_token(), request(Method::GET, "/sign-in", &[])).await;
+    assert_eq!(page.status(), StatusCode::OK);
+    let content = text(page).await;
+    assert!(content.contains("<link rel=\"icon\" "), "{content}");
+    let named = content.split("href=\"/").skip(1).map(|rest| format!("/{}", rest.split('"').next().unwrap()));
+    let named: Vec<_> = named.collect();
+    assert_eq!(named.len(), 2, "{named:?}");
+    for path in named {
+        assert_eq!(get_of(&path, &[], &with_token()).await, StatusCode::OK, "{path}");
+    }
+}
+
 /// Browsers ask for it once, and then whether it has changed.
 #[tokio::test]
 async fn the_script_of_the_plots_is_kept() {
