@@ -118,6 +118,8 @@ pub struct Control {
     /// When a press was last told, by whomever.
     held_us: Option<u64>,
     stop: bool,
+    /// Counts the stops that were asked for.
+    stops: u64,
     resets: u32,
     scale: ScaleShare,
     /// What the last press was for: it stays until the next one, so that a release ends what it began.
@@ -134,6 +136,7 @@ impl Control {
             holder: None,
             held_us: None,
             stop: false,
+            stops: 0,
             resets: 0,
             scale: ScaleShare::FULL,
             press_for: PressFor::Follow,
@@ -247,6 +250,7 @@ impl Control {
     /// Stop: by anybody.
     pub fn stop(&mut self) {
         self.stop = true;
+        self.stops += 1;
         if let Some(holder) = &mut self.holder {
             holder.end_press();
         }
@@ -268,9 +272,24 @@ impl Control {
         Ok(())
     }
 
-    /// Whoever has the buttons elsewhere has reset: a stop from here is over.
-    pub const fn reset_elsewhere(&mut self) {
-        self.stop = false;
+    /// Whoever has the buttons elsewhere has reset: stops from here up to that [count](Self::stops) are over. A later
+    /// one is not, for it was not known of there.
+    pub const fn reset_elsewhere(&mut self, up_to: u64) {
+        if self.stops <= up_to {
+            self.stop = false;
+        }
+    }
+
+    /// How many stops were asked for.
+    #[must_use]
+    pub const fn stops(&self) -> u64 {
+        self.stops
+    }
+
+    /// Whether a stop is latched here.
+    #[must_use]
+    pub const fn is_stopped(&self) -> bool {
+        self.stop
     }
 
     /// Whether this tab drives.

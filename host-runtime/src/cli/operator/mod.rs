@@ -21,6 +21,7 @@ mod report;
 mod run;
 mod session;
 mod slave;
+mod stops;
 mod talk;
 
 use super::interrupt::Interrupt;

@@ -10,6 +10,7 @@ use super::record::Record;
 use super::report::{self, Memory};
 use super::session;
 use super::slave::SlaveLine;
+use super::stops::Stops;
 use super::talk::{SILENT_US, SLAVE, Talk, log_arm};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::keyboard::scale_words;
@@ -68,8 +69,7 @@ pub(super) struct Run {
     chores_us: u64,
     leisure: Leisure,
     slave_heard_us: Option<u64>,
-    /// The last that were asked for.
-    resets: u32,
+    stops: Stops,
     arm: Option<ArmStatePacket>,
     /// What a slave of this process came to.
     slave_lines: Vec<(&'static str, String)>,
@@ -97,7 +97,7 @@ impl Run {
             chores_us: 0,
             leisure: Leisure::default(),
             slave_heard_us: None,
-            resets: 0,
+            stops: Stops::default(),
             arm: None,
             slave_lines: Vec::new(),
             tape_lines: Vec::new(),
@@ -194,12 +194,8 @@ impl Run {
     fn buttons(&mut self, now_us: u64) -> Buttons {
         let buttons = self.parts.hold.buttons(now_us);
         let Some((_, desk)) = &self.parts.console else { return buttons };
-        if std::mem::replace(&mut self.resets, buttons.resets) != buttons.resets
-            && !self.parts.hold.is_console()
-        {
-            desk.control().reset_elsewhere();
-        }
-        if desk.buttons().stop { Buttons { pressed: false, stop: true, ..buttons } } else { buttons }
+        // there the console itself knows which came first
+        if self.parts.hold.is_console() { buttons } else { self.stops.with_buttons_elsewhere(buttons, desk) }
     }
 
     fn publish(&mut self, now_us: u64) {

@@ -183,7 +183,9 @@ fn with_the_buttons_elsewhere_a_stop_is_all_there_is() {
     control.stop();
     assert!(control.buttons(0).stop);
     assert_eq!(control.reset(A, 0), Err(Refusal::ButtonsElsewhere));
-    control.reset_elsewhere();
+    control.reset_elsewhere(control.stops() - 1);
+    assert!(control.buttons(0).stop, "a stop that was not known of");
+    control.reset_elsewhere(control.stops());
     assert_eq!(control.buttons(0), Buttons::default());
 }
 
