@@ -10,8 +10,9 @@
 //! A press has a number, larger than that of the press before. It ends with a release, a stop, a reset, the
 //! socket, or a silence of [`HICCUP_US`], and does not come back: the operator lets go and presses anew. A
 //! shorter silence is a release while it lasts. Nor does a press count that was begun before its tab was
-//! given control: the first that is heard of the button then has to be that it is let go. A press is for one
-//! thing, following the hand or going home: one that goes on for the other has ended.
+//! given control: the first that is heard of the button then has to be that it is let go, and a press that was
+//! heard of before does not count after that either. A press is for one thing, following the hand or going home:
+//! one that goes on for the other has ended.
 //!
 //! The scale is changed while the button is let go, by the tab in control, and stays for whoever drives next.
 //!
@@ -19,6 +20,7 @@
 
 use crate::station::operator::Buttons;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use tetrad_core::wire::{PressFor, ScaleShare};
 
 /// A press counts for so long after it was last told, microseconds: two of the page's messages.
@@ -35,7 +37,7 @@ pub const HEARD_US: u64 = 250_000;
 pub const ABSENT_US: u64 = 3_000_000;
 
 /// A tab: one page with one socket. A page that is loaded again is another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Tab(pub u64);
 
 /// Why something was not done.
@@ -115,6 +117,8 @@ struct Press {
 pub struct Control {
     drives: bool,
     holder: Option<Holder>,
+    /// The newest press that each tab has told of, in control or not.
+    told: BTreeMap<Tab, u64>,
     /// When a press was last told, by whomever.
     held_us: Option<u64>,
     stop: bool,
@@ -134,6 +138,7 @@ impl Control {
         Self {
             drives,
             holder: None,
+            told: BTreeMap::new(),
             held_us: None,
             stop: false,
             stops: 0,
@@ -156,16 +161,24 @@ impl Control {
             Some(_) => Err(Refusal::AnotherDrives),
             None => {
                 let name = name.to_owned();
-                let holder = Holder { tab, name, heard_us: now_us, let_go: false, press: None, ended: 0 };
+                // what was pressed by now was not pressed in control
+                let ended = self.told.get(&tab).copied().unwrap_or_default();
+                let holder = Holder { tab, name, heard_us: now_us, let_go: false, press: None, ended };
                 self.holder = Some(holder);
                 Ok(())
             }
         }
     }
 
-    /// The tab drives no longer: it gave control up, or its socket is gone.
+    /// The tab drives no longer: it gave control up.
     pub fn leave(&mut self, tab: Tab) {
         self.holder.take_if(|holder| holder.tab == tab);
+    }
+
+    /// The tab's socket is gone, and nothing comes of it any more.
+    pub fn gone(&mut self, tab: Tab) {
+        self.leave(tab);
+        self.told.remove(&tab);
     }
 
     /// The tab is there, and nothing else.
@@ -188,6 +201,8 @@ impl Control {
         now_us: u64,
     ) -> Result<(), Refusal> {
         let stop = self.stop;
+        let newest = self.told.entry(tab).or_default();
+        *newest = number.max(*newest);
         let holder = self.holder_mut(tab, now_us).ok_or(Refusal::NotInControl)?;
         holder.heard_us = now_us;
         let ended = |press: Press| {

@@ -298,6 +298,6 @@ impl Drop for Look {
 
 impl Drop for Seat {
     fn drop(&mut self) {
-        self.desk.with_control(|control, _| control.leave(self.tab));
+        self.desk.with_control(|control, _| control.gone(self.tab));
     }
 }

@@ -155,7 +155,9 @@ async fn write(
         if !matches!(timeout(STALLED, out.send(Message::Text(next))).await, Ok(Ok(()))) {
             return;
         }
+        // a refusal is told before what comes after it
         next = tokio::select! {
+            biased;
             Some(answer) = answers.recv() => answer,
             _ = tick.tick() => live(desk, seat),
         };

@@ -1,12 +1,18 @@
 //! A line that is late: what the page shows is as old as it says, and nobody drives by it.
 
 use super::browser::{Browser, SPACE};
-use super::driver::{take, take_control};
+use super::driver::{count_holds, holds_told, reset, take, take_control};
 use super::program::Program;
 use super::proxy::Proxy;
 use super::turn;
 use super::witness::{Witness, is_moving};
 use std::time::Duration;
+
+/// A line that is slow, and no slower than what presses are taken from.
+const SLOW: Duration = Duration::from_millis(60);
+
+/// Control is asked for so long after a press, before the press can have been refused, milliseconds.
+const TAKEN_AFTER_MS: u32 = 30;
 
 /// So much later everything gets through, each way.
 const LATE: Duration = Duration::from_secs(3);
@@ -70,4 +76,48 @@ fn a_late_line_makes_pictures_as_old_as_they_are_and_nobody_drives_by_it() {
     proxy.mend();
     browser.until("document.getElementById('link').textContent === 'connected'");
     browser.until(&fresh);
+}
+
+#[test]
+fn a_press_begun_before_control_was_taken_moves_nothing_over_a_slow_line() {
+    let _turn = turn();
+    let test = "console::late::a_press_begun_before_control_was_taken_moves_nothing_over_a_slow_line";
+    let Some(browser) = Browser::open(test) else { return };
+    let program = Program::operator();
+    let witness = Witness::of(program.address());
+    let proxy = Proxy::to(program.address());
+    take_control(&browser, &proxy.url("/drive"));
+    reset(&browser, &witness);
+    browser.tap("g");
+    browser.until("!document.getElementById('take').disabled");
+    proxy.delay(SLOW);
+    count_holds(&browser);
+    let held_us =
+        witness.until("who drives", |live| live["control"]["holder"].is_null())["control"]["held_us"].clone();
+
+    // the refusal of the press comes only after control was asked for
+    let key = |what: &str, key: &str, code: &str| {
+        format!(
+            "document.body.dispatchEvent(new KeyboardEvent('{what}', {{key: '{key}', code: '{code}', bubbles: true}}));"
+        )
+    };
+    let (down, up) = (key("keydown", " ", "Space"), key("keyup", " ", "Space"));
+    let take = key("keydown", "t", "KeyT");
+    browser.script(&format!(
+        "{down} setTimeout(() => {{ {take} window.told = window.holdsTold; }}, {TAKEN_AFTER_MS})"
+    ));
+    browser.until("window.told > 0 && !document.getElementById('give').disabled");
+    let drives = |live: &serde_json::Value| live["control"]["pressed"] == true || is_moving(live);
+    assert!(witness.within(LATE, drives).is_err(), "a press drives that was begun without control");
+    let live = witness.until("what was held", |_| true);
+    assert_eq!(live["control"]["held_us"], held_us, "it counted");
+    assert_eq!(
+        Some(holds_told(&browser)),
+        browser.script("return window.told").as_u64(),
+        "the page goes on holding"
+    );
+    // why that press came to nothing is over
+    let words = browser.text("#control");
+    assert!(words.starts_with("You are in control"), "{words}");
+    browser.script(&up);
 }

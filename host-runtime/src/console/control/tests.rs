@@ -125,6 +125,35 @@ fn what_was_held_before_control_was_taken_does_not_count() {
 }
 
 #[test]
+fn a_press_that_was_begun_without_control_does_not_count_once_it_is_given() {
+    let mut control = Control::new(true);
+    let hold =
+        |control: &mut Control, number, now_us| control.hold(A, number, PressFor::Follow, now_us, now_us);
+    assert_eq!(hold(&mut control, 1, 0), Err(Refusal::NotInControl));
+    control.take(A, "a", 10_000).unwrap();
+    control.release(A, 10_000);
+    assert_eq!(hold(&mut control, 1, 20_000), Err(Refusal::Ended), "held all the time");
+    assert!(!control.buttons(20_000).pressed);
+    hold(&mut control, 2, 30_000).unwrap();
+    // nor once control was given up and taken anew, which no press outlasts
+    control.leave(A);
+    control.take(A, "a", 40_000).unwrap();
+    control.release(A, 40_000);
+    assert_eq!(hold(&mut control, 2, 50_000), Err(Refusal::Ended));
+    hold(&mut control, 3, 60_000).unwrap();
+    assert!(control.buttons(60_000).pressed);
+    // another tab counts its own presses
+    control.leave(A);
+    control.take(B, "b", 70_000).unwrap();
+    control.release(B, 70_000);
+    control.hold(B, 1, PressFor::Follow, 80_000, 80_000).unwrap();
+    // of one whose socket is gone nothing is kept
+    control.gone(B);
+    control.gone(A);
+    assert!(control.told.is_empty() && control.view(None, 90_000).holder.is_none());
+}
+
+#[test]
 fn a_reset_lets_go() {
     let mut control = pressed();
     control.reset(A, 1_010_000).unwrap();
@@ -207,8 +236,8 @@ fn act() -> impl Strategy<Value = Act> {
         tab().prop_map(Act::Take),
         tab().prop_map(Act::Leave),
         tab().prop_map(Act::Here),
-        (tab(), 1..6_u64, 0..400_000_u64).prop_map(|(tab, press, ago)| Act::Hold(tab, press, ago)),
-        (tab(), 1..6_u64, Just(0)).prop_map(|(tab, press, ago)| Act::Hold(tab, press, ago)),
+        (tab(), 1..12_u64, 0..400_000_u64).prop_map(|(tab, press, ago)| Act::Hold(tab, press, ago)),
+        (tab(), 1..12_u64, Just(0)).prop_map(|(tab, press, ago)| Act::Hold(tab, press, ago)),
         tab().prop_map(Act::Release),
         Just(Act::Stop),
         tab().prop_map(Act::Reset),
@@ -218,7 +247,7 @@ fn act() -> impl Strategy<Value = Act> {
 proptest! {
     /// Whatever comes in whatever order: pressed means that the tab in control has said so within the
     /// last 60 ms, with a page that was up to date, since the last stop, reset, release and loss of
-    /// control, and in a press that none of these had ended.
+    /// control, and in a press that none of these had ended, nor was begun before control was taken.
     #[test]
     fn pressed_is_always_a_fresh_press_of_the_tab_in_control(
         acts in prop::collection::vec((act(), 0..120_000_u64), 1..60)
@@ -228,6 +257,8 @@ proptest! {
         // the last hold that could count: who, when, which press
         let mut told: Option<(Tab, u64, u64)> = None;
         let mut over: Vec<(Tab, u64)> = Vec::new();
+        // whatever was said, counted or not
+        let mut said: Vec<(Tab, u64)> = Vec::new();
         let mut stopped = false;
         for (act, later_us) in acts {
             now_us += later_us;
@@ -240,8 +271,7 @@ proptest! {
                 Act::Take(tab) => {
                     let before = control.is_holder(tab, now_us);
                     if control.take(tab, "x", now_us).is_ok() && !before {
-                        // another beginning: numbers count from 1 again
-                        over.retain(|(of, _)| *of != tab);
+                        over.extend(said.iter().filter(|(of, _)| *of == tab));
                     }
                 }
                 Act::Leave(tab) => {
@@ -250,6 +280,7 @@ proptest! {
                 }
                 Act::Here(tab) => control.here(tab, now_us),
                 Act::Hold(tab, press, ago_us) => {
+                    said.push((tab, press));
                     if control.hold(tab, press, PressFor::Follow, now_us - ago_us, now_us).is_ok() {
                         prop_assert!(control.is_holder(tab, now_us));
                         prop_assert!(!stopped, "a stop latches");

@@ -64,6 +64,8 @@ export class Controls {
       this.#control = null;
     });
     live.addEventListener("live", ({ detail }) => {
+      // why nothing came of what was asked for without control
+      if (detail.control.yours && !this.#control?.yours) this.#message = "";
       this.#control = detail.control;
     });
     this.#hold.addEventListener("change", () => {
@@ -107,6 +109,8 @@ export class Controls {
 
   #take() {
     this.#message = "";
+    // a press is begun in control, or is none
+    this.#hold.end();
     this.#live.send({ type: "take", name: keptName() });
     this.#hold.letGo();
   }

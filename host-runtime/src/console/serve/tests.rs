@@ -95,6 +95,29 @@ async fn one_tab_drives_another_looks_and_may_stop() {
 }
 
 #[tokio::test]
+async fn what_is_held_before_control_is_taken_drives_nothing_until_it_is_pressed_anew() {
+    let (console, desk) = console(true);
+    let mut tab = Tab::open(console.address()).await;
+    let told =
+        |tab: &Tab, press: u64| json!({"type": "hold", "press": press, "shown_us": tab.live["now_us"]});
+    tab.hear().await;
+    tab.say(told(&tab, 1)).await;
+    tab.take().await;
+    assert_eq!(tab.refused, ["this page is not in control: take control first"]);
+    // the button was never let go
+    for _ in 0..5 {
+        tab.say(told(&tab, 1)).await;
+        tab.hear().await;
+        assert!(!desk.buttons().pressed && tab.live["control"]["pressed"] == false);
+    }
+    assert!(desk.control().view(None, desk.now_us()).held_us.is_none(), "none ever counted");
+    tab.hear().await;
+    assert!(tab.refused[1..].iter().all(|why| why.starts_with("this press has ended")), "{:?}", tab.refused);
+    tab.release().await;
+    tab.press(|| desk.buttons().pressed).await;
+}
+
+#[tokio::test]
 async fn a_socket_that_is_gone_has_let_go_and_given_up() {
     let (console, desk) = console(true);
     let mut tab = Tab::open(console.address()).await;
