@@ -63,6 +63,25 @@ pub(crate) fn replace(path: &Path, text: &str) -> io::Result<()> {
     written
 }
 
+/// Whether a file could be [replaced](replace) as far as rights go: its folder takes new ones.
+pub(crate) fn may_replace(path: &Path) -> bool {
+    let path = &fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    takes_files(folder.unwrap_or_else(|| Path::new(".")))
+}
+
+#[cfg(unix)]
+fn takes_files(folder: &Path) -> bool {
+    use rustix::fs::{Access, access};
+    access(folder, Access::WRITE_OK | Access::EXEC_OK).is_ok()
+}
+
+/// Elsewhere rights are not told by bits alone, and only the writing itself tells.
+#[cfg(not(unix))]
+fn takes_files(folder: &Path) -> bool {
+    folder.is_dir()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,6 +95,8 @@ mod tests {
         assert_eq!(read(&file).unwrap(), "second");
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1, "nothing is left beside it");
         let missing = dir.path().join("nowhere").join("colours.toml");
+        assert!(may_replace(&file) && !may_replace(&missing));
+        assert!(may_replace(Path::new("colours.toml")), "the folder at hand");
         assert_eq!(replace(&missing, "third").unwrap_err().kind(), io::ErrorKind::NotFound);
     }
 

@@ -9,6 +9,7 @@ use crate::settings::station::{
     ConsoleSettings, HandCamera, LocalCamera, NetworkSettings, SceneCamera, SlavePlace, SlaveSettings,
     StationSettings,
 };
+use crate::text_file::may_replace;
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::path::Path;
@@ -32,6 +33,9 @@ pub(super) fn notes(settings: &StationSettings) -> Vec<String> {
     }
     notes.extend(settings.camera.as_ref().and_then(|camera| flickers(camera.preview_fps)));
     notes.extend(settings.console.iter().flat_map(of_console));
+    if settings.console.is_some() {
+        notes.extend(not_kept(settings, may_replace));
+    }
     if let Some(operator) = &settings.operator {
         for (number, camera) in (1..).zip(&operator.cameras) {
             let key = format!("[[operator.camera]] {number} source");
@@ -102,6 +106,24 @@ fn of_console(console: &ConsoleSettings) -> Vec<String> {
         format!("[console] {key}: everybody on this computer may read {file}, and {what}: `chmod o= {file}`")
     });
     shared.collect()
+}
+
+/// Files of an operator with a console that cannot keep what is set up there.
+fn not_kept(settings: &StationSettings, may_replace: impl Fn(&Path) -> bool) -> Vec<String> {
+    let Some(operator) = &settings.operator else { return Vec::new() };
+    let arms = ("[operator] arm_mm".to_owned(), settings.file.as_path(), "the arms' length");
+    let colours = (1..).zip(&operator.cameras).filter_map(|(number, camera)| {
+        Some((format!("[[operator.camera]] {number} colours"), camera.colours.as_deref()?, "colours"))
+    });
+    let files = std::iter::once(arms).chain(colours).filter(|(_, file, _)| !may_replace(file));
+    let notes = files.map(|(key, file, what)| {
+        let file = file.display();
+        format!(
+            "{key}: the console could not keep {what} in {file}: whoever runs this may write no file in its folder; \
+             docs/deploy.md gives the operator one of its own"
+        )
+    });
+    notes.collect()
 }
 
 /// Pictures that come so seldom that each is stale before the next.
@@ -231,6 +253,33 @@ mod tests {
             assert_eq!(told.len(), notes, "{mode:o}: {told:?}");
             assert!(told.iter().all(|note| note.starts_with("[console] token_file: everybody ")), "{told:?}");
         }
+    }
+
+    #[test]
+    fn what_the_console_cannot_keep_is_told() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("operator.toml");
+        let text = "[operator]\narm_mm = 80\nslave = \"here\"\n[[operator.camera]]\nsource = \"sim:still\"\n\
+                    [console]\nlisten = \"127.0.0.1:0\"\n";
+        std::fs::write(&file, text).unwrap();
+        let mut settings = StationSettings::load(&file).unwrap();
+        assert!(!notes(&settings).iter().any(|note| note.contains("could not keep")), "it can be written");
+        let camera = &mut settings.operator.as_mut().unwrap().cameras[0];
+        camera.colours = Some(dir.path().join("gone").join("left.toml"));
+        let told = |settings: &StationSettings| {
+            let all = notes(settings);
+            all.into_iter().filter(|note| note.contains("could not keep")).collect::<Vec<_>>()
+        };
+        let one = told(&settings);
+        assert!(one.len() == 1 && one[0].starts_with("[[operator.camera]] 1 colours: "), "{one:?}");
+        let both = not_kept(&settings, |_| false);
+        assert!(
+            both.len() == 2 && both[0].starts_with("[operator] arm_mm: the console could not keep"),
+            "{both:?}"
+        );
+        // who has no console keeps nothing
+        settings.console = None;
+        assert!(told(&settings).is_empty());
     }
 
     #[test]

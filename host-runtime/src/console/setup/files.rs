@@ -65,8 +65,7 @@ pub(super) fn save_arm(file: &Path, mm: f64) -> Result<(), Refused> {
     let label = file.display();
     let text =
         text_file::read(file).map_err(|cause| Refused::Failed(format!("cannot read {label}: {cause}")))?;
-    let changed = with_arm(&text, mm)
-        .map_err(|problem| Refused::Wrong(format!("{label}: {problem}; the length is not kept")))?;
+    let changed = with_arm(&text, mm).map_err(|problem| Refused::Wrong(format!("{label}: {problem}")))?;
     write(file, &changed)
 }
 

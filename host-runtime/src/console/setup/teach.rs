@@ -139,7 +139,7 @@ pub(super) async fn use_it(Of(state): Of<State>, body: String) -> Answer {
     told(&state, set_up, asked.page, said.join("; "))
 }
 
-/// The arms' length, kept in the station's file, and used at once.
+/// The arms' length, used at once, and kept in the station's file where it can be.
 pub(super) async fn arm(Of(state): Of<State>, body: String) -> Answer {
     let entered: Entered = read(&body)?;
     let set_up = set_up(&state)?;
@@ -149,16 +149,18 @@ pub(super) async fn arm(Of(state): Of<State>, body: String) -> Answer {
     let arm_m = files::arm_m(mm)?;
     let arms = arms(arm_m)?;
     let file = set_up.file.clone();
-    let kept = file.is_some();
     // before it is kept: a length that is refused is none of the next run either
     stop_first(&state, entered.page)?;
-    let work = move || file.map_or(Ok(()), |file| files::save_arm(&file, mm));
-    let (saved, _permit) = aside(permit, work).await?;
-    saved?;
+    let work = move || file.map(|file| files::save_arm(&file, mm));
+    let (kept, _permit) = aside(permit, work).await?;
+    // the arm stands for it, and whoever changes the frame goes on with it, whether a file keeps its length or not
     *lock(&set_up.arm_m) = arm_m;
     set_up.begin_anew(arms);
-    let until =
-        if kept { "and kept in the station's file" } else { "until the end of this run: no file keeps it" };
+    let until = match kept {
+        Some(Ok(())) => "and kept in the station's file".to_owned(),
+        Some(Err(why)) => format!("until the end of this run; not kept: {why}"),
+        None => "until the end of this run: no file keeps it".to_owned(),
+    };
     told(
         &state,
         set_up,

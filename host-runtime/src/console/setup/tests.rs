@@ -299,11 +299,25 @@ async fn the_arms_length_is_used_and_kept() {
     let (status, _) = bytes(&desk, Method::POST, "/api/setup/arm", body.clone()).await;
     assert_eq!(status, StatusCode::OK);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), "[operator]\narm_mm = 70 # of the frame\n");
-    // a file that cannot be understood keeps nothing, and nothing is used
-    let _ = desk.take_arms();
-    std::fs::write(&file, "[operator]\n").unwrap();
-    let (status, _) = bytes(&desk, Method::POST, "/api/setup/arm", body).await;
-    assert_eq!((status, desk.take_arms()), (StatusCode::UNPROCESSABLE_ENTITY, None));
+    // it is used too where the file cannot be written, or understood
+    let cannot_write = || std::fs::create_dir(room.dir.path().join(".tetrad.toml.new")).unwrap();
+    let wrong = || std::fs::write(&file, "[operator]\n").unwrap();
+    let failures: [(f64, &dyn Fn(), &str); 2] =
+        [(90.0, &cannot_write, "not kept: cannot write "), (100.0, &wrong, "not kept: ")];
+    for (mm, fail, why) in failures {
+        fail();
+        let (before, _) = (std::fs::read_to_string(&file).unwrap(), desk.take_arms());
+        let body = json!({ "arm_mm": mm }).to_string();
+        let (status, told) = bytes(&desk, Method::POST, "/api/setup/arm", body).await;
+        let told: Value = serde_json::from_slice(&told).unwrap();
+        assert_eq!((status, &told["arm_mm"]), (StatusCode::OK, &json!(mm)));
+        let (said, words) =
+            (told["said"].as_str().unwrap(), format!("arms of {mm} mm, until the end of this run; {why}"));
+        assert!(said.starts_with(&words) && said.contains("tetrad.toml"), "{said}");
+        let arms = desk.take_arms().expect("they are used").lengths_m();
+        assert!((f64::from(arms[0]) * 1e3 - mm).abs() < 1e-3, "{arms:?}");
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), before);
+    }
 }
 
 #[tokio::test]
