@@ -71,6 +71,13 @@ fn cameras_hand_and_arm_in_one_process() {
     for stage in [0, 1, 3, 4, 5, 6, 7, 8, 10, 11, 12, 13, 14] {
         assert!(counts[stage].parse::<u64>().unwrap() > 10, "{:?}", delays[stage + 1]);
     }
+    // none of them can be the session of a run that writes them
+    for file in fs::read_dir(&out).unwrap() {
+        let name = file.unwrap().file_name().into_string().unwrap();
+        let again = "operator --config tetrad.toml --hold-to-run always --seconds 1 --out out --record";
+        let own = format!("--record out/{name} and the result out/{name} are the same file");
+        tetrad(dir.path(), &format!("{again} out/{name}")).refused(2, &[own.as_str()]);
+    }
 }
 
 #[test]
@@ -239,6 +246,11 @@ fn what_cannot_be_meant_is_refused() {
     let own = ["--record tetrad.toml and --config tetrad.toml", "same file", "give another file"];
     run(dir.path(), ALL, "--hold-to-run always --record tetrad.toml").refused(2, &own);
     assert_eq!(fs::read_to_string(dir.path().join("tetrad.toml")).unwrap(), ALL);
+    // nor over a result that is not there yet
+    let own = ["--record out/../out/arm_state.csv and the result out/arm_state.csv", "same file"];
+    let twice = "--hold-to-run always --out out --record out/../out/arm_state.csv";
+    run(dir.path(), ALL, twice).refused(2, &own);
+    assert_eq!(fs::read_dir(dir.path().join("out")).unwrap().count(), 0, "nothing was begun");
     let away = ALL
         .replace("sim:still\"\nview", "/dev/video99\"\nview")
         .replace("view = \"right\"", "colours = \"no.toml\"");

@@ -180,6 +180,7 @@ impl Order<'_> {
         let record = match self.out {
             Some(dir) => {
                 make_dir(dir)?;
+                self.refuse_results(dir)?;
                 Some(Record::create(dir).or_exit(Exit::Failed)?)
             }
             None => None,
@@ -237,6 +238,13 @@ impl Order<'_> {
         let keys: Vec<PathBuf> = self.network.map(key_files).into_iter().flatten().collect();
         let keys = keys.iter().map(|file| Input::new("[station] keys", file));
         same_file::refuse("--record", record, self.inputs().into_iter().chain(keys))
+    }
+
+    /// Nor over the run's own results, which two would write at once.
+    fn refuse_results(&self, dir: &Path) -> Result<(), Failure> {
+        let Some(record) = self.record else { return Ok(()) };
+        let results = record::FILES.map(|name| dir.join(name));
+        same_file::refuse("--record", record, results.iter().map(|file| Input::new("the result", file)))
     }
 
     /// What the run reads beside the link's keys, by the paths that it is opened by.

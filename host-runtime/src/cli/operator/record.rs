@@ -9,6 +9,19 @@ use crate::station::operator::OperatorStep;
 use std::path::{Path, PathBuf};
 use tetrad_core::wire::ArmStatePacket;
 
+/// What a run may write into its folder: these, and what `pictures` and an arm of this process do.
+pub(super) const FILES: [&str; 9] = [
+    "pose.csv",
+    "filtered.csv",
+    "arm_state.csv",
+    "sent.csv",
+    "delays.csv",
+    "arm.csv",
+    "left.jpg",
+    "right.jpg",
+    "pictures.csv",
+];
+
 /// So many rows wait for the disk at most: some seconds of instants and arm states.
 const WAITING: usize = 2_048;
 
