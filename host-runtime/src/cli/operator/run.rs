@@ -195,7 +195,11 @@ impl Run {
         let buttons = self.parts.hold.buttons(now_us);
         let Some((_, desk)) = &self.parts.console else { return buttons };
         // there the console itself knows which came first
-        if self.parts.hold.is_console() { buttons } else { self.stops.with_buttons_elsewhere(buttons, desk) }
+        if self.parts.hold.is_console() {
+            buttons
+        } else {
+            self.stops.with_buttons_elsewhere(buttons, desk, now_us)
+        }
     }
 
     fn publish(&mut self, now_us: u64) {
