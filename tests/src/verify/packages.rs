@@ -55,6 +55,12 @@ pub(super) fn cargo_tool(context: &Context, name: &str, version: &str) -> Result
     let mut install = context.cargo(["install", "--locked", "--version", version, "--root"]);
     // Its own target directory, so that cleaning up after it is cleaning up one folder.
     install.arg(&tools).arg("--target-dir").arg(tools.join("build")).arg(name);
+    // It runs for a second or two: optimised, cargo-deny takes 100 s to build; so, 35.
+    install.envs([
+        ("CARGO_PROFILE_RELEASE_OPT_LEVEL", "0"),
+        ("CARGO_PROFILE_RELEASE_LTO", "off"),
+        ("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16"),
+    ]);
     if context.run(&mut install, INSTALL_LIMIT).ok {
         return Ok(tools.join("bin").join(name));
     }

@@ -4,7 +4,7 @@ use super::{Context, Outcome, count, packages};
 use std::fs;
 use std::time::Duration;
 
-/// From clean: it builds every dependency with optimisation, and takes twice as long on a computer that is shared.
+/// From clean: it builds every dependency, and takes twice as long on a computer that is shared.
 const LIMIT: Duration = Duration::from_secs(2400);
 
 pub(super) fn workspace(context: &Context) -> Outcome {
