@@ -43,6 +43,7 @@ fn routes(state: State) -> Router {
     let router = Router::new()
         .route("/live", get(live::upgrade))
         .route("/pictures", get(pictures::upgrade))
+        .route("/api/room", get(room))
         .route("/api/stop", post(stop))
         .route("/api/snapshot", get(snapshot))
         .route("/api/arm", get(arm::arm))
@@ -64,6 +65,15 @@ fn routes(state: State) -> Router {
         .layer(DefaultBodyLimit::max(MAX_BODY))
         .layer(middleware::from_fn_with_state(state.clone(), access::guard))
         .with_state(state)
+}
+
+/// Whether a page that opens its sockets now would get them: a browser tells it only that they failed.
+async fn room(Of(state): Of<State>) -> Response {
+    if state.web_sockets.available_permits() > 0 { "room\n".into_response() } else { full() }
+}
+
+pub(super) fn full() -> Response {
+    (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open: close one\n").into_response()
 }
 
 /// The arm stops, whoever asks for it.

@@ -10,8 +10,7 @@ use super::snapshot::Snapshot;
 use crate::station::operator::SCALES;
 use axum::extract::State as Of;
 use axum::extract::ws::{Message, Utf8Bytes, WebSocket, WebSocketUpgrade};
-use axum::http::StatusCode;
-use axum::response::{IntoResponse as _, Response};
+use axum::response::Response;
 use futures_util::stream::SplitSink;
 use futures_util::{SinkExt as _, StreamExt as _};
 use serde::{Deserialize, Serialize};
@@ -108,7 +107,7 @@ struct ViewTold<'a> {
 
 pub(super) async fn upgrade(Of(state): Of<State>, socket: WebSocketUpgrade) -> Response {
     let Ok(permit) = Arc::clone(&state.web_sockets).try_acquire_owned() else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open\n").into_response();
+        return super::app::full();
     };
     let socket = socket.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);
     socket.on_upgrade(move |socket| serve(socket, state.desk, permit))

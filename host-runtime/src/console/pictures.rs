@@ -53,7 +53,7 @@ pub(super) async fn upgrade(Of(state): Of<State>, uri: Uri, socket: WebSocketUpg
         return (StatusCode::BAD_REQUEST, "say which: /pictures?views=0,1\n").into_response();
     };
     let Ok(permit) = Arc::clone(&state.web_sockets).try_acquire_owned() else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open\n").into_response();
+        return super::app::full();
     };
     let look = state.desk.look(views);
     let socket = socket.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);

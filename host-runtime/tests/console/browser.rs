@@ -277,6 +277,12 @@ impl Driver {
     /// At a port of its own, which it tells. Its browser's profile is of its own making, in a folder for such
     /// things: a page in one that it is given is not told in every case that it has lost the focus.
     fn start(temporary: &Path) -> (Self, u16) {
+        // it takes a port that is free in IPv6, and ends where another has that one in IPv4
+        let tries = (0..5).find_map(|_| Self::begin(temporary));
+        tries.expect("chromedriver starts and tells its port: see what `chromedriver --port=0` says")
+    }
+
+    fn begin(temporary: &Path) -> Option<(Self, u16)> {
         let mut command = Command::new("chromedriver");
         command.env("TMPDIR", temporary);
         command.arg("--port=0").stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
@@ -288,10 +294,10 @@ impl Driver {
         let told = |line: String| {
             line.split_once("started successfully on port ")?.1.trim_end_matches('.').parse().ok()
         };
-        let port = lines.find_map(told).expect("chromedriver tells its port");
+        let port = lines.find_map(told)?;
         // what it says afterwards is of no interest, but has to go somewhere
         std::thread::spawn(move || lines.for_each(drop));
-        (driver, port)
+        Some((driver, port))
     }
 }
 

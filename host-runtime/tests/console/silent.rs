@@ -4,6 +4,9 @@ use super::browser::Browser;
 use super::program::Program;
 use super::turn;
 use serde_json::{Value, json};
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
+use tetrad::console::app::WEB_SOCKETS;
 
 /// What keeps the arm from following, as nobody else says it.
 const LIMIT: &str = "slowed for the test";
@@ -57,6 +60,35 @@ fn an_arm_that_is_silent_is_not_shown_as_engaged() {
     }
     let told = browser.log();
     assert!(told.is_empty(), "{told:#?}");
+}
+
+/// One of the connections that pages have, taken up.
+fn web_socket(program: &Program) -> TcpStream {
+    let mut stream = TcpStream::connect(program.address()).expect("the console is there");
+    let host = program.address();
+    let request = format!(
+        "GET /live HTTP/1.1\r\nHost: {host}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+         Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    );
+    stream.write_all(request.as_bytes()).expect("it takes a request");
+    let mut status = [0; 12];
+    stream.read_exact(&mut status).expect("it answers");
+    assert_eq!(status, *b"HTTP/1.1 101");
+    stream
+}
+
+#[test]
+fn a_page_without_a_place_says_why() {
+    let _turn = turn();
+    let Some(browser) = Browser::open("console::silent::a_page_without_a_place_says_why") else { return };
+    let program = Program::operator();
+    let link = "document.getElementById('link').textContent";
+    let taken: Vec<TcpStream> = (0..WEB_SOCKETS).map(|_| web_socket(&program)).collect();
+    browser.go(&program.url("/drive"));
+    browser.until(&format!("{link} === 'NO CONNECTION: too many pages are open: close one'"));
+    // and is heard once there is room
+    drop(taken);
+    browser.until(&format!("{link} === 'connected'"));
 }
 
 const TICK: &str = "\u{2713}";

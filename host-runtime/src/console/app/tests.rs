@@ -283,6 +283,24 @@ async fn without_the_token_nothing_but_health_is_told() {
 }
 
 #[tokio::test]
+async fn a_page_is_told_that_too_many_are_open() {
+    let room = |sockets| {
+        let state = State {
+            desk: desk(),
+            access: Arc::new(Access::loopback()),
+            sessions: None,
+            web_sockets: Arc::new(Semaphore::new(sockets)),
+            within: WITHIN,
+        };
+        routes(state).oneshot(request(Method::GET, "/api/room", &[]))
+    };
+    assert_eq!(room(1).await.unwrap().status(), StatusCode::OK);
+    let full = room(0).await.unwrap();
+    assert_eq!(full.status(), StatusCode::SERVICE_UNAVAILABLE);
+    assert_eq!(text(full).await, "too many pages are open: close one\n");
+}
+
+#[tokio::test]
 async fn a_browser_signs_in_once() {
     let sign_in = async |body: String, tls| {
         let access = Access { tls, ..with_token() };

@@ -26,6 +26,8 @@ export class Live extends EventTarget {
   #asked = [];
   #socket = null;
   #tries = 0;
+  // Why there is no connection, in words, where the console says so.
+  why = null;
 
   constructor() {
     super();
@@ -67,13 +69,32 @@ export class Live extends EventTarget {
     this.clock = new LineClock();
     this.#tripMs = null;
     this.#asked = [];
-    socket.onopen = () => this.#ask();
+    let opened = false;
+    socket.onopen = () => {
+      opened = true;
+      this.why = null;
+      this.#ask();
+    };
     socket.onmessage = (event) => this.#hear(JSON.parse(event.data));
     socket.onclose = () => {
       this.dispatchEvent(new Event("lost"));
+      if (!opened) this.#askWhy();
       const wait = RETRY_MS[Math.min(this.#tries++, RETRY_MS.length - 1)];
       setTimeout(() => this.#connect(), wait);
     };
+  }
+
+  // A browser says of a socket that was refused only that it failed.
+  async #askWhy() {
+    let why = null;
+    try {
+      const answer = await fetch("/api/room", { cache: "no-store" });
+      if (answer.status === 401) why = "signed out: load this page again";
+      else if (!answer.ok) why = (await answer.text()).trim();
+    } catch {
+      // it is not there
+    }
+    if (!this.isOpen) this.why = why;
   }
 
   #ask() {

@@ -122,7 +122,8 @@ export function watchLink(live, element) {
     const there = tripMs === null ? [] : [`${inWords(tripMs)} there and back`];
     write(trip, silent ? since : [...old, ...there].join(", "));
     const words = silent ? "NO CONNECTION" : late ? "LATE" : "connected";
-    write(element, (silent && known) || late ? `${words}: what you see is old` : words);
+    const more = [silent && live.why, ((silent && known) || late) && "what you see is old"].filter(Boolean);
+    write(element, [words, more.join("; ")].filter(Boolean).join(": "));
   };
   setInterval(tell, 100);
   live.addEventListener("lost", tell);

@@ -164,8 +164,8 @@ async function show() {
   } finally {
     asking = false;
   }
-  // another was opened while this one failed
-  if (session !== one && wantedUs !== null) show();
+  // what was asked for while that failed, or another session
+  if (wantedUs !== null) show();
 }
 
 async function picture(one, camera, number, us) {
