@@ -37,7 +37,7 @@
 //! # Features
 //!
 //! - `eight-views`, on by default: up to eight cameras may look at a hand ([`config::MAX_VIEWS`]); without it two,
-//!   and a hand's tracker takes a sixth of the memory.
+//!   and a hand's tracker takes an eighth of the memory.
 //! - `defmt`: what a firmware may want to log can be formatted.
 //!
 //! # Panics

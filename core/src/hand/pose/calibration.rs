@@ -16,9 +16,10 @@
 //! lengths do not fade, and are compared anew each time. A hand at rest adds nothing, so standing
 //! still for ten minutes feigns no certainty and moves no pose.
 
-use super::camera::{Camera, Sensitivity};
+use super::camera::Camera;
+use super::equations::OfView;
 use super::solve::{Cameras, Fit, Seen, compare_all};
-use super::square_root::{CAMERA, CameraUnknowns, POSE, Pair, Row, SquareRoot, UNKNOWNS};
+use super::square_root::{CAMERA, CameraUnknowns, Equations, SquareRoot, UNKNOWNS};
 use crate::config::{MAX_VIEWS, PoseConfig};
 use crate::geometry::Pose;
 use crate::hand::affine::Arms;
@@ -33,7 +34,7 @@ const FITS: usize = 3;
 /// worth another fit.
 const SMALL_CHANGE: f32 = 1e-3;
 
-/// The cameras and how well they are known: about 33 KiB for eight of them, 4 KiB for two.
+/// The cameras and how well they are known: about 27 KiB for eight of them, 2 KiB for two.
 #[derive(Clone, Debug)]
 pub struct Calibration {
     cameras: Cameras,
@@ -178,7 +179,10 @@ impl Calibration {
             let [first, second] = camera.sensitivity(at);
             let [row_1, row_2] = at.pose.map(|row| Vector6::from(row) * weight);
             for (column, (a, b)) in of_view.zip(first.iter().zip(&second)) {
-                *column += row_1 * *a + row_2 * *b;
+                for (sum, (of_1, of_2)) in column.iter_mut().zip(row_1.iter().zip(&row_2)) {
+                    *sum += of_1 * a;
+                    *sum += of_2 * b;
+                }
             }
         });
         for column in columns.iter_mut().take(CAMERA * self.views) {
@@ -202,13 +206,25 @@ impl Calibration {
 
     /// Adds a frame's equations to the key frames', its pose taken out.
     fn add_equations(&mut self, pose: &Pose, seen: &Seen, arms: Arms, noise: f32) {
-        let keys = &mut self.keys;
-        let mut pair = EMPTY;
-        compare_all(pose, &self.cameras, seen, arms, |view, _, camera, at| {
-            write_equations(&mut pair, view, camera, at, true, noise);
-            keys.insert_both(&mut pair);
-        });
-        keys.forget_pose();
+        let mut gathered = OfView::EMPTY;
+        let mut is_first = true;
+        let views = self.cameras.iter().zip(seen).enumerate();
+        for (view, (camera, sightings)) in views {
+            let Some(camera) = camera else { continue };
+            if sightings.iter().all(Option::is_none) {
+                continue;
+            }
+            if is_first {
+                gathered.write((view, camera), pose, sightings, arms, noise);
+                self.keys.insert(&mut gathered.gather_pose(view));
+                is_first = false;
+            } else {
+                let mut equations = OfView::EMPTY;
+                equations.write((view, camera), pose, sightings, arms, noise);
+                equations.take_pose_out(&mut gathered, CAMERA * self.views);
+                self.keys.insert(&mut equations.cameras);
+            }
+        }
     }
 
     /// The cameras that fit best all that is known.
@@ -216,23 +232,16 @@ impl Calibration {
         for _ in 0..FITS {
             let all = &mut self.all;
             all.copy_from(&self.keys);
-            for (view, (camera, nominal_px)) in self.cameras.iter().zip(&self.nominal_px).enumerate() {
+            let cameras = self.cameras.iter().zip(&self.nominal_px).zip(&self.anchor).enumerate();
+            for (view, ((camera, nominal_px), sightings)) in cameras {
                 let Some(camera) = camera else { continue };
-                let mut row: Row = [0.0; UNKNOWNS + 1];
-                let off = libm::logf(nominal_px / camera.focal_px());
-                if let (Some(right), true) = (row.first_mut(), off.is_finite()) {
-                    *right = off / config.focal_sigma;
+                all.insert(&mut nominal_focal(view, camera, *nominal_px, config));
+                if sightings.iter().any(Option::is_some) {
+                    let mut anchor = OfView::EMPTY;
+                    anchor.write((view, camera), &Pose::identity(), sightings, arms, noise);
+                    all.insert(&mut anchor.cameras);
                 }
-                if let Some(focal) = row.get_mut(POSE + CAMERA * (view + 1)) {
-                    *focal = 1.0 / config.focal_sigma;
-                }
-                all.insert(&mut row);
             }
-            let mut pair = EMPTY;
-            compare_all(&Pose::identity(), &self.cameras, &self.anchor, arms, |view, _, camera, at| {
-                write_equations(&mut pair, view, camera, at, false, noise);
-                all.insert_both(&mut pair);
-            });
             let by = self.all.solve_cameras();
             if !self.step(&by) {
                 // nothing sensible: what the keys say is not believed, the anchor is
@@ -260,33 +269,15 @@ impl Calibration {
     }
 }
 
-/// Room for the two equations of a ball.
-const EMPTY: Pair = [[0.0; 2]; UNKNOWNS + 1];
-
-/// Writes the two equations of one ball in one view, in units of their standard deviation, over what is
-/// left of others.
-fn write_equations(
-    pair: &mut Pair,
-    view: usize,
-    camera: &Camera,
-    at: &Sensitivity,
-    with_pose: bool,
-    noise: f32,
-) {
-    let weight = 1.0 / noise;
-    let [pose_1, pose_2] = &at.pose;
-    let [camera_1, camera_2] = camera.sensitivity(at);
-    pair.fill([0.0; 2]);
-    if let Some(right) = pair.first_mut() {
-        *right = [at.residual.x * weight, at.residual.y * weight];
+/// What was said of a camera's focal length.
+fn nominal_focal(view: usize, camera: &Camera, nominal_px: f32, config: &PoseConfig) -> Equations<1> {
+    let mut equation = [[0.0]; UNKNOWNS + 1];
+    let off = libm::logf(nominal_px / camera.focal_px());
+    if let ([[right], ..], true) = (&mut equation, off.is_finite()) {
+        *right = off / config.focal_sigma;
     }
-    if with_pose {
-        for (to, (first, second)) in pair.iter_mut().skip(1).zip(pose_1.iter().zip(pose_2)) {
-            *to = [first * weight, second * weight];
-        }
+    if let Some([focal]) = equation.get_mut(CAMERA * (view + 1)) {
+        *focal = 1.0 / config.focal_sigma;
     }
-    let of_camera = pair.iter_mut().skip(1 + POSE + CAMERA * view);
-    for (to, (first, second)) in of_camera.zip(camera_1.iter().zip(&camera_2)) {
-        *to = [first * weight, second * weight];
-    }
+    equation
 }

@@ -72,32 +72,38 @@ impl PoseTracker {
                 *sightings = [None; BALLS];
             }
         }
-        let solved = self.consistent(&known, &expected.pose, &expected).or_else(|| {
+        // one place for what is solved: it is too large to be handed on again and again
+        let mut solved = self.consistent(&known, &expected.pose, &expected);
+        if solved.is_none() {
             // the hand is not where it was expected: from where each complete view sees it
             let mut starts = cameras.iter().zip(&known).filter_map(|(camera, sightings)| {
                 let camera = camera.as_ref()?;
                 let hand = posit(&complete(sightings)?, camera.focal_px(), self.arms)?;
                 Some(camera.places(&hand))
             });
-            starts.find_map(|start| self.consistent(&known, &start, &expected))
-        })?;
-        if expected.allows(&solved.fit, config.leap_sigmas) {
-            return Some(solved);
+            solved = starts.find_map(|start| self.consistent(&known, &start, &expected));
+        }
+        let Some(Solved { fit, seen: fitted, .. }) = &solved else { return solved };
+        if expected.allows(fit, config.leap_sigmas) {
+            return solved;
         }
         // a leap is believed where balls seen whole show it; those half hidden may have feigned it
         let mut clear = known;
-        for ((sightings, hidden), fitted) in clear.iter_mut().zip(&self.hidden).zip(&solved.seen) {
+        for ((sightings, hidden), fitted) in clear.iter_mut().zip(&self.hidden).zip(fitted) {
             for ((sighting, hidden), fitted) in sightings.iter_mut().zip(hidden).zip(fitted) {
                 if *hidden || fitted.is_none() {
                     *sighting = None;
                 }
             }
         }
-        if clear != solved.seen {
-            return self.consistent(&clear, &expected.pose, &expected);
-        }
         // and where views contradict each other, only if what is left agrees among itself
-        (solved.seen == known || is_redundant(&solved.fit)).then_some(solved)
+        let agrees = *fitted == known || is_redundant(fit);
+        if clear != *fitted {
+            solved = self.consistent(&clear, &expected.pose, &expected);
+        } else if !agrees {
+            solved = None;
+        }
+        solved
     }
 
     /// The pose from a start, without the balls or the view that contradict the others.
@@ -153,7 +159,7 @@ impl PoseTracker {
 
     pub(super) fn fit(&self, start: &Pose, seen: &Seen) -> Option<Fit> {
         let config = self.pose_config();
-        solve(start, self.calibration.cameras(), seen, self.arms, self.noise(), config)
+        solve(start, self.calibration.cameras(), seen, self.arms, self.noise, config)
     }
 }
 

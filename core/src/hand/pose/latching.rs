@@ -13,7 +13,7 @@ use crate::geometry::Pose;
 use crate::hand::perspective::Sightings;
 use crate::hand::perspective::posit::posit;
 use crate::observation::BALLS;
-use nalgebra::{Matrix6, Vector3};
+use nalgebra::Vector3;
 
 impl PoseTracker {
     /// The first frame: every camera that sees all four balls is latched where it sees the hand.
@@ -39,7 +39,7 @@ impl PoseTracker {
         let views = single.iter().zip(seen).zip(&mut anchor).zip(&self.models).enumerate();
         for (view, (((found, sightings), anchor), model)) in views {
             if let (Some((camera_from_hand, mean_square)), Some(model)) = (found, model) {
-                self.noise_square = self.noise_square.max(mean_square.min(MAX_NOISE * MAX_NOISE));
+                self.noise = self.noise.max(libm::sqrtf(*mean_square).min(MAX_NOISE));
                 *anchor = *sightings;
                 let nominal = model.focal_px;
                 let origin = Pose::identity();
@@ -49,15 +49,15 @@ impl PoseTracker {
         for trust in &mut self.trust {
             *trust = trust.begin_anew();
         }
-        let noise = self.noise();
+        let noise = self.noise;
         self.calibration.latch(&Pose::identity(), &anchor, self.arms, noise, &self.config.pose);
         let mut fit = self.fit(&Pose::identity(), &anchor)?;
         fit.pose = Pose::identity();
         self.waited = 0;
         if let Some(course) = self.doubted.take() {
             let config = &self.config.pose;
-            (self.engage_from_world, self.engage_covariance) =
-                self.since_engage(&course.pose_at(t_us, config), &course.covariance_at(t_us, config));
+            self.engage_from_world =
+                Some(self.since_engage(&course.pose_at(t_us, config), &course.covariance_at(t_us, config)));
         }
         self.course = Some(Course::new(fit.pose, fit.covariance, t_us));
         Some(Solved { fit, seen: anchor, excluded: None })
@@ -86,7 +86,7 @@ impl PoseTracker {
     #[inline(never)]
     pub(super) fn learn(&mut self, fit: &Fit, seen: &Seen, used: &Seen, excluded: Option<usize>) {
         self.trust_follows(fit, seen, used, excluded);
-        let noise = self.noise();
+        let noise = self.noise;
         let contributing = fit.views.iter().filter(|view| view.balls > 0).count();
         let listed = self.models.iter().flatten().count();
         if contributing >= listed.min(2) && excluded.is_none() {
@@ -149,7 +149,7 @@ impl PoseTracker {
     #[cold]
     #[inline(never)]
     pub(super) fn latch(&mut self, pose: &Pose, seen: &Seen) {
-        let noise = self.noise();
+        let noise = self.noise;
         self.calibration.latch(pose, seen, self.arms, noise, &self.config.pose);
         if let Some(course) = &mut self.course {
             course.change_world(pose);
@@ -164,8 +164,7 @@ impl PoseTracker {
         for trust in &mut self.trust {
             trust.change_world();
         }
-        self.engage_from_world = Pose::identity();
-        self.engage_covariance = Matrix6::zeros();
+        self.engage_from_world = None;
         self.engagements = self.engagements.wrapping_add(1);
         self.latch_at_next = false;
     }

@@ -7,7 +7,7 @@
 //!       --> what disagrees is left out: a wrong ball, a camera that was moved (`consistency`)
 //!       --> whom to believe again, and whom not (`trust`)
 //!       --> how good the centres are (`noise`)
-//!       --> what the motion teaches of the cameras ([`calibration`], [`camera`], [`square_root`])
+//!       --> what the motion teaches of the cameras ([`calibration`], [`camera`], `equations`, [`square_root`])
 //!       --> cameras that join or were moved, and the hand at an engage (`latching`)
 //!       --> pose since engage, covariance, state (`report`)
 //! ```
@@ -27,6 +27,7 @@ pub mod solve;
 pub mod square_root;
 
 mod consistency;
+mod equations;
 mod latching;
 mod noise;
 mod report;
@@ -55,7 +56,7 @@ use trust::Trust;
 #[cfg(test)]
 mod tests;
 
-/// The hand's pose since engage, from all views. About 36 KiB for eight cameras and 6 KiB for two, most of
+/// The hand's pose since engage, from all views. About 30 KiB for eight cameras and 4 KiB for two, most of
 /// it what is known of them ([`square_root`]).
 #[derive(Clone, Debug)]
 pub struct PoseTracker {
@@ -67,15 +68,13 @@ pub struct PoseTracker {
     course: Option<Course>,
     /// The movement before all cameras were doubted: where it goes on at the next latch.
     doubted: Option<Course>,
-    /// The pose since engage of the world's origin: the identity, but for cameras latched anew on
-    /// the way.
-    engage_from_world: Pose,
-    /// And how well that is known.
-    engage_covariance: Matrix6<f32>,
+    /// The pose since engage of the world's origin, and how well that is known, where it is not there: cameras
+    /// were latched anew on the way.
+    engage_from_world: Option<(Pose, Matrix6<f32>)>,
     /// Which balls were half hidden in this frame.
     hidden: [[bool; BALLS]; MAX_VIEWS],
-    /// How many times worse than they say the centres are, variances.
-    noise_square: f32,
+    /// How many times worse than they say the centres are, standard deviations.
+    noise: f32,
     /// What was measured in the last frame, if its pose was.
     last: Option<Seen>,
     refused: u32,
@@ -100,10 +99,9 @@ impl PoseTracker {
             calibration: Calibration::new(0),
             course: None,
             doubted: None,
-            engage_from_world: Pose::identity(),
-            engage_covariance: Matrix6::zeros(),
+            engage_from_world: None,
             hidden: [[false; BALLS]; MAX_VIEWS],
-            noise_square: 1.0,
+            noise: 1.0,
             last: None,
             refused: 0,
             engagements: 0,
@@ -132,8 +130,7 @@ impl PoseTracker {
     pub fn restart(&mut self) {
         self.forget_cameras();
         self.models = [None; MAX_VIEWS];
-        self.engage_from_world = Pose::identity();
-        self.engage_covariance = Matrix6::zeros();
+        self.engage_from_world = None;
         self.refused = 0;
         self.latch_at_next = false;
         self.trust = [Trust::default(); MAX_VIEWS];
@@ -150,9 +147,8 @@ impl PoseTracker {
             course,
             doubted,
             engage_from_world: _,
-            engage_covariance: _,
             hidden,
-            noise_square,
+            noise,
             last,
             refused: _,
             engagements: _,
@@ -164,7 +160,7 @@ impl PoseTracker {
         calibration.clear();
         (*course, *doubted, *last) = (None, None, None);
         *hidden = [[false; BALLS]; MAX_VIEWS];
-        *noise_square = 1.0;
+        *noise = 1.0;
         (*waited, *unsolved) = (0, 0);
     }
 
@@ -199,7 +195,7 @@ impl PoseTracker {
     fn follow(&mut self, solved: &Solved, seen: &Seen, before: Option<&Pose>, t_us: u64) -> HandReport {
         let Solved { fit, seen: used, excluded } = solved;
         self.unsolved = 0;
-        let spread = self.calibration.spread(fit, used, self.arms, self.noise());
+        let spread = self.calibration.spread(fit, used, self.arms, self.noise);
         let covariance = fit.covariance + spread;
         let spans = if before.is_some() { self.refused.saturating_add(1) } else { 0 };
         let increment = before.copied().unwrap_or_else(Pose::identity).inverse().compose(&fit.pose);

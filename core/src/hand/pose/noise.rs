@@ -15,18 +15,13 @@ const MIN_NOISE: f32 = 0.5;
 pub(super) const MAX_NOISE: f32 = 100.0;
 
 impl PoseTracker {
-    /// How many times worse than they say the centres are, standard deviations.
-    pub(super) fn noise(&self) -> f32 {
-        libm::sqrtf(self.noise_square)
-    }
-
     /// Centres that are worse than they say are found out by what is left of them.
     pub(super) fn noise_follows(&mut self, fit: &Fit) {
         if fit.freedom > 0.0 {
             // few equations say less
             let share = fit.freedom / (fit.freedom + 10.0 * NOISE_MEMORY);
-            let next = self.noise_square * (1.0 + share * (fit.mean_square() - 1.0));
-            self.noise_square = next.clamp(MIN_NOISE * MIN_NOISE, MAX_NOISE * MAX_NOISE);
+            let next = self.noise * self.noise * (1.0 + share * (fit.mean_square() - 1.0));
+            self.noise = libm::sqrtf(next).clamp(MIN_NOISE, MAX_NOISE);
         }
     }
 }

@@ -36,14 +36,18 @@ impl PoseTracker {
 
     /// A pose in the world, and its covariance, as since engage: with what is not known of where the
     /// world stands, were the cameras latched anew on the way.
+    #[inline]
     pub(super) fn since_engage(&self, pose: &Pose, covariance: &Matrix6<f32>) -> (Pose, Matrix6<f32>) {
-        let turn = &self.engage_from_world.rotation;
+        let Some((engage_from_world, engage_covariance)) = &self.engage_from_world else {
+            return (*pose, *covariance);
+        };
+        let turn = &engage_from_world.rotation;
         // a turn of the world carries the hand along
         let lever = turn * pose.translation;
         let mut carry = Matrix6::identity();
         carry.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-lever.cross_matrix()));
-        let of_world = carry * self.engage_covariance * carry.transpose();
-        (self.engage_from_world.compose(pose), turned_covariance(turn, covariance) + of_world)
+        let of_world = carry * engage_covariance * carry.transpose();
+        (engage_from_world.compose(pose), turned_covariance(turn, covariance) + of_world)
     }
 }
 

@@ -21,8 +21,10 @@ impl PoseTracker {
         let places = views.zip(&mut seen).zip(&mut self.models).zip(&mut self.hidden);
         for (((view, sightings), model), hidden) in places {
             *model = Some(view.camera);
-            *hidden = view.balls.map(|ball| ball.state == ObservationState::Occluded || ball.visible < CLEAR);
-            *sightings = view.balls.map(|ball| sighting(&ball, &view.camera, &self.config.pose));
+            for ((ball, hidden), of_ball) in view.balls.iter().zip(hidden).zip(sightings) {
+                *hidden = ball.state == ObservationState::Occluded || ball.visible < CLEAR;
+                *of_ball = sighting(ball, &view.camera, &self.config.pose);
+            }
         }
         seen
     }

@@ -97,18 +97,30 @@ pub fn compare_all(
     arms: Arms,
     mut each: impl FnMut(usize, usize, &Camera, &Sensitivity),
 ) {
-    let balls = arms.balls_in_frame();
     for (view, (camera, sightings)) in cameras.iter().zip(seen).enumerate() {
-        let Some(camera) = camera else { continue };
-        if sightings.iter().all(Option::is_none) {
-            continue;
+        if let Some(camera) = camera {
+            compare_view(pose, camera, sightings, arms, |ball, at| each(view, ball, camera, at));
         }
-        let camera_from_hand = camera.sees(pose);
-        for (ball, (x_in_hand, sighting)) in balls.iter().zip(sightings).enumerate() {
-            let Some(sighting) = sighting else { continue };
-            if let Some(derivatives) = camera.compare(&camera_from_hand, pose, x_in_hand, sighting) {
-                each(view, ball, camera, &derivatives);
-            }
+    }
+}
+
+/// Calls `each` with ball and derivatives of all that one camera measured, at `pose`.
+pub(super) fn compare_view(
+    pose: &Pose,
+    camera: &Camera,
+    sightings: &Sightings,
+    arms: Arms,
+    mut each: impl FnMut(usize, &Sensitivity),
+) {
+    if sightings.iter().all(Option::is_none) {
+        return;
+    }
+    let balls = arms.balls_in_frame();
+    let camera_from_hand = camera.sees(pose);
+    for (ball, (x_in_hand, sighting)) in balls.iter().zip(sightings).enumerate() {
+        let Some(sighting) = sighting else { continue };
+        if let Some(derivatives) = camera.compare(&camera_from_hand, pose, x_in_hand, sighting) {
+            each(ball, &derivatives);
         }
     }
 }
@@ -135,30 +147,41 @@ pub fn solve(
     let mut pose = *start;
     for step in 0..MAX_STEPS {
         let mut information = Matrix6::from_diagonal(&prior);
-        let mut gradient = prior.component_mul(&difference(start, &pose));
+        // at the start nothing draws back to it
+        let mut gradient = Vector6::zeros();
+        if step > 0 {
+            gradient = prior.component_mul(&difference(start, &pose));
+        }
         let mut squares = 0.0;
         let mut equations = 0.0;
         let mut views = [ViewFit::default(); MAX_VIEWS];
         let (mut wrong, mut worst, mut farthest) = (0, None, 0.0);
+        let bound = config.huber_sigmas;
         compare_all(&pose, cameras, seen, arms, |view, ball, _, at| {
             let square = at.residual.norm_squared() * weight;
-            let distance = libm::sqrtf(square);
-            let bound = config.huber_sigmas;
-            let beyond = distance > bound;
-            squares += if beyond { bound * (2.0 * distance - bound) } else { square };
+            let mut trust = weight;
+            if square > bound * bound {
+                let distance = libm::sqrtf(square);
+                squares += bound * (2.0 * distance - bound);
+                // where a first step starts everything may be off together
+                if step > 0 {
+                    trust = weight * bound / distance;
+                }
+            } else {
+                squares += square;
+            }
             equations += 2.0;
-            // where a first step starts everything may be off together
-            let trust = if beyond && step > 0 { weight * bound / distance } else { weight };
             for (row, residual) in at.pose.iter().zip(&at.residual) {
                 let row = Vector6::from(*row);
                 gradient += row * (trust * residual);
                 add_lower(&mut information, &(row * trust), &row);
             }
             let square_px = at.residual_px.norm_squared();
-            if distance > config.wrong_sigmas && square_px > config.wrong_px * config.wrong_px {
+            let is_far = square > config.wrong_sigmas * config.wrong_sigmas;
+            if is_far && square_px > config.wrong_px * config.wrong_px {
                 wrong += 1;
-                if distance > farthest {
-                    (farthest, worst) = (distance, Some((view, ball)));
+                if square > farthest {
+                    (farthest, worst) = (square, Some((view, ball)));
                 }
             }
             if let Some(fit) = views.get_mut(view) {

@@ -1,11 +1,11 @@
 //! What is known of many unknowns, as a triangle: the square root of their information matrix.
 //!
 //! The knowledge is the least squares problem `min |R x - d|^2` with R upper triangular, so that
-//! `(R^t R)^-1` is the covariance of x. A new equation `a x = b`, in units of its standard deviation,
-//! is rotated into the triangle (Givens). Information matrices themselves would need f64: here those
-//! of a focal length and of a direction differ by 10^7, and f32 would lose the smaller one in the
-//! subtraction that takes an unknown out. The triangle holds their roots, and taking out the first
-//! unknowns is leaving out the first rows.
+//! `(R^t R)^-1` is the covariance of x. New equations `a x = b`, in units of their standard deviation,
+//! are reflected into the triangle, several at once (Householder). Information matrices themselves would
+//! need f64: here those of a focal length and of a direction differ by 10^7, and f32 would lose the smaller
+//! one in the subtraction that takes an unknown out. The triangle holds their roots, and taking out the
+//! first unknowns is leaving out the first rows.
 //!
 //! Unknowns that nobody told anything about have a row of zeros.
 
@@ -13,20 +13,17 @@ use super::symmetric::add_lower;
 use crate::config::MAX_VIEWS;
 use nalgebra::{Matrix6, Vector6};
 
-/// Unknowns of a pose: they come first.
-pub const POSE: usize = 6;
-
 /// Unknowns of a camera: turn (3), place in the picture (2), scale, focal length.
 pub const CAMERA: usize = 7;
 
 /// The most unknowns.
-pub const UNKNOWNS: usize = POSE + CAMERA * MAX_VIEWS;
+pub const UNKNOWNS: usize = CAMERA * MAX_VIEWS;
 
-/// One equation: its right hand side, then the unknowns' factors.
-pub type Row = [f32; UNKNOWNS + 1];
+/// A row of the triangle: its right hand side, then the unknowns' factors.
+type Row = [f32; UNKNOWNS + 1];
 
-/// Two equations, column by column.
-pub type Pair = [[f32; 2]; UNKNOWNS + 1];
+/// So many equations, column by column: their right hand sides, then the unknowns' factors.
+pub type Equations<const N: usize> = [[f32; N]; UNKNOWNS + 1];
 
 /// Factors smaller than this are none: a camera that was not told of.
 const MIN_DIAGONAL: f32 = 1e-6;
@@ -34,8 +31,7 @@ const MIN_DIAGONAL: f32 = 1e-6;
 /// Values of the cameras' unknowns, one array a camera.
 pub type CameraUnknowns = [[f32; CAMERA]; MAX_VIEWS];
 
-/// The triangle R with its right hand side d, for the pose and `cameras` cameras: about 15 KiB for eight
-/// cameras, of which 1.3 KiB are touched with two.
+/// The triangle R with its right hand side d: about 13 KiB for eight cameras, 0.8 KiB for two.
 #[derive(Clone, Debug)]
 pub struct SquareRoot {
     rows: [Row; UNKNOWNS],
@@ -43,113 +39,82 @@ pub struct SquareRoot {
     unknowns: usize,
 }
 
-/// The rotation that takes a factor of an equation into the diagonal.
+/// The reflection that takes the factors of one unknown in several equations into a row's diagonal, the row's
+/// sign turned: `s = share (own + w o)`, `own -> s - own`, `o -> o - w s`. For one equation it is Givens'
+/// rotation.
 #[derive(Clone, Copy)]
-struct Givens {
-    cosine: f32,
-    sine: f32,
+pub(super) struct Reflection<const N: usize> {
+    /// w.
+    others: [f32; N],
+    share: f32,
 }
 
-impl Givens {
-    /// `head` goes into `diagonal`; it is spent.
-    fn into_diagonal(diagonal: &mut f32, head: f32) -> Self {
-        if head == 0.0 {
-            return Self { cosine: 1.0, sine: 0.0 };
+impl<const N: usize> Reflection<N> {
+    /// `heads` go into `diagonal`; they are spent. `None` where they are zero.
+    pub(super) fn into_diagonal(diagonal: &mut f32, heads: &[f32; N]) -> Option<Self> {
+        let squares: f32 = heads.iter().map(|head| head * head).sum();
+        if squares == 0.0 {
+            return None;
         }
-        let length = libm::sqrtf(*diagonal * *diagonal + head * head);
-        let (cosine, sine) = (*diagonal / length, head / length);
+        let length = libm::copysignf(libm::sqrtf(*diagonal * *diagonal + squares), *diagonal);
+        let reach = *diagonal + length;
         *diagonal = length;
-        Self { cosine, sine }
+        let over_reach = 1.0 / reach;
+        Some(Self { others: heads.map(|head| head * over_reach), share: reach / length })
     }
 
-    /// Turns what stands in one column of the triangle's row and of the equation.
-    fn turn(self, own: &mut f32, other: &mut f32) {
-        let turned = self.cosine * *own + self.sine * *other;
-        *other = self.cosine * *other - self.sine * *own;
-        *own = turned;
+    /// Reflects what stands in one column of the row and of the equations.
+    pub(super) fn reflect(&self, own: &mut f32, others: &mut [f32; N]) {
+        let along: f32 = self.others.iter().zip(others.iter()).map(|(w, other)| w * other).sum();
+        let step = self.share * (*own + along);
+        *own = step - *own;
+        for (other, w) in others.iter_mut().zip(&self.others) {
+            *other -= w * step;
+        }
     }
 }
 
 impl SquareRoot {
-    /// Nothing known of a pose and so many cameras.
+    /// Nothing known of so many cameras.
     #[must_use]
     pub fn new(cameras: usize) -> Self {
-        Self { rows: [[0.0; UNKNOWNS + 1]; UNKNOWNS], unknowns: POSE + CAMERA * cameras.min(MAX_VIEWS) }
+        Self { rows: [[0.0; UNKNOWNS + 1]; UNKNOWNS], unknowns: CAMERA * cameras.min(MAX_VIEWS) }
     }
 
-    /// Nothing is known any more, of a pose and so many cameras.
+    /// Nothing is known any more, of so many cameras.
     pub fn clear(&mut self, cameras: usize) {
         self.rows.as_flattened_mut().fill(0.0);
-        self.unknowns = POSE + CAMERA * cameras.min(MAX_VIEWS);
+        self.unknowns = CAMERA * cameras.min(MAX_VIEWS);
     }
 
     /// So many cameras can be told of from now on.
     pub fn make_room(&mut self, cameras: usize) {
-        self.unknowns = self.unknowns.max(POSE + CAMERA * cameras.min(MAX_VIEWS));
+        self.unknowns = self.unknowns.max(CAMERA * cameras.min(MAX_VIEWS));
     }
 
-    /// Takes over what another one of as many cameras knows of them; the poses must have been taken out.
+    /// Takes over what another one knows, of as many cameras.
     pub fn copy_from(&mut self, other: &Self) {
         self.unknowns = other.unknowns;
-        let rows = self.rows.iter_mut().zip(&other.rows).enumerate();
-        for (place, (row, from)) in rows.take(self.unknowns).skip(POSE) {
-            let behind = other.unknowns.saturating_sub(1 + place);
-            let Some((right, diagonal, tail)) = parts(row, place, behind) else { return };
-            let Some((from_right, from_factors)) = from.split_first() else { return };
-            let mut from_factors = from_factors.iter().skip(place);
-            *right = *from_right;
-            *diagonal = from_factors.next().copied().unwrap_or(0.0);
-            for (to, from) in tail.iter_mut().zip(from_factors) {
-                *to = *from;
-            }
+        for (row, from) in self.rows.iter_mut().zip(&other.rows).take(self.unknowns) {
+            *row = *from;
         }
     }
 
-    /// Adds one equation; the row is used up.
-    pub fn insert(&mut self, row: &mut Row) {
-        let unknowns = self.unknowns;
-        let Some((right, factors)) = row.split_first_mut() else { return };
-        let Some(mut rest) = factors.get_mut(..unknowns) else { return };
-        for (place, own) in self.rows.iter_mut().enumerate() {
-            let Some((head, tail)) = rest.split_first_mut() else { return };
-            if *head != 0.0 {
-                let Some((own_right, diagonal, own_tail)) = parts(own, place, tail.len()) else { return };
-                let rotation = Givens::into_diagonal(diagonal, *head);
-                rotation.turn(own_right, right);
-                for (own, other) in own_tail.iter_mut().zip(tail.iter_mut()) {
-                    rotation.turn(own, other);
-                }
-            }
-            rest = tail;
-        }
-    }
-
-    /// Adds two equations, one after the other, as [`Self::insert`] does, in one pass over the triangle;
-    /// they are used up.
+    /// Adds equations; they are used up.
     #[inline(never)]
-    pub fn insert_both(&mut self, pair: &mut Pair) {
-        let unknowns = self.unknowns;
-        let Some((right, factors)) = pair.split_first_mut() else { return };
-        let Some(mut rest) = factors.get_mut(..unknowns) else { return };
+    pub fn insert<const N: usize>(&mut self, equations: &mut Equations<N>) {
+        let [right, factors @ ..] = equations;
+        let Some(mut rest) = factors.get_mut(..self.unknowns) else { return };
         for (place, own) in self.rows.iter_mut().enumerate() {
-            let Some((head, tail)) = rest.split_first_mut() else { return };
-            if *head != [0.0; 2] {
-                let Some((own_right, diagonal, own_tail)) = parts(own, place, tail.len()) else { return };
-                let rotations = head.map(|head| Givens::into_diagonal(diagonal, head));
-                turn_both(&rotations, own_right, right);
+            let Some((heads, tail)) = rest.split_first_mut() else { return };
+            let Some((own_right, diagonal, own_tail)) = parts(own, place, tail.len()) else { return };
+            if let Some(reflection) = Reflection::into_diagonal(diagonal, heads) {
+                reflection.reflect(own_right, right);
                 for (own, others) in own_tail.iter_mut().zip(tail.iter_mut()) {
-                    turn_both(&rotations, own, others);
+                    reflection.reflect(own, others);
                 }
             }
             rest = tail;
-        }
-    }
-
-    /// Takes the pose out: what is left is what the equations tell of the cameras whatever it was.
-    pub fn forget_pose(&mut self) {
-        let width = self.unknowns + 1;
-        for row in self.rows.iter_mut().take(POSE) {
-            row.iter_mut().take(width).for_each(|value| *value = 0.0);
         }
     }
 
@@ -161,34 +126,33 @@ impl SquareRoot {
         }
     }
 
-    /// Takes one camera out, keeping what the equations tell of the others whatever it was. The pose
-    /// must have been taken out before.
+    /// Takes one camera out, keeping what the equations tell of the others whatever it was.
     #[cold]
     #[inline(never)]
     pub fn forget_camera(&mut self, camera: usize) {
-        let empty = [0.0; UNKNOWNS + 1];
         let unknowns = self.unknowns;
-        let first = 1 + POSE + CAMERA * camera;
+        let first = 1 + CAMERA * camera;
         // with this camera's unknowns in front, leaving out the first rows takes it out
-        let mut turned = Self { rows: [empty; UNKNOWNS], unknowns };
+        let mut turned = Self { rows: [[0.0; UNKNOWNS + 1]; UNKNOWNS], unknowns };
         for from in self.rows.iter().take(unknowns) {
             let own = from.iter().skip(first).take(CAMERA);
-            let before = from.iter().take(first).skip(1 + POSE);
+            let before = from.iter().take(first).skip(1);
             let after = from.iter().take(unknowns + 1).skip(first + CAMERA);
-            let mut row = empty;
-            for (to, value) in row.iter_mut().zip(from.iter().take(1).chain(own).chain(before).chain(after)) {
+            let mut row = NO_EQUATION;
+            for ([to], value) in row.iter_mut().zip(from.iter().take(1).chain(own).chain(before).chain(after))
+            {
                 *to = *value;
             }
             turned.insert(&mut row);
         }
         self.rows.as_flattened_mut().fill(0.0);
         for from in turned.rows.iter().take(unknowns).skip(CAMERA) {
-            let mut row = empty;
-            let places = (0..1).chain(1 + POSE..first).chain(first + CAMERA..unknowns + 1);
+            let mut row = NO_EQUATION;
+            let places = (0..first).chain(first + CAMERA..unknowns + 1);
             let values = from.iter().take(1).chain(from.iter().skip(1 + CAMERA));
             for (place, value) in places.zip(values) {
                 if let Some(to) = row.get_mut(place) {
-                    *to = *value;
+                    *to = [*value];
                 }
             }
             self.insert(&mut row);
@@ -199,27 +163,27 @@ impl SquareRoot {
     #[must_use]
     pub fn solve_cameras(&self) -> CameraUnknowns {
         let mut solution = [[0.0; CAMERA]; MAX_VIEWS];
-        for (place, row) in self.rows.iter().enumerate().take(self.unknowns).skip(POSE).rev() {
-            let diagonal = row.get(1 + place).copied().unwrap_or(0.0);
-            let known = row.iter().take(1 + self.unknowns).skip(2 + place);
-            let solved = solution.as_flattened().iter().skip(1 + place - POSE);
-            let rest: f32 = known.zip(solved).map(|(factor, value)| factor * value).sum();
-            let right = row.first().copied().unwrap_or(0.0);
-            if let Some(value) = solution.as_flattened_mut().get_mut(place - POSE) {
-                *value = if diagonal.abs() > MIN_DIAGONAL { (right - rest) / diagonal } else { 0.0 };
-            }
+        let Some(all) = solution.as_flattened_mut().get_mut(..self.unknowns) else { return solution };
+        for (place, row) in self.rows.iter().enumerate().take(self.unknowns).rev() {
+            let Some((right, factors)) = row.split_first() else { break };
+            let (Some([diagonal, known @ ..]), Some([value, solved @ ..])) =
+                (factors.get(place..), all.get_mut(place..))
+            else {
+                break;
+            };
+            let rest: f32 = known.iter().zip(solved).map(|(factor, value)| factor * *value).sum();
+            *value = if diagonal.abs() > MIN_DIAGONAL { (right - rest) / diagonal } else { 0.0 };
         }
         solution
     }
 
     /// The unknowns of the cameras are told from elsewhere from now on: from `step` further on.
     pub fn shift_cameras(&mut self, step: &CameraUnknowns) {
-        let unknowns = self.unknowns;
-        for (place, row) in self.rows.iter_mut().enumerate().take(unknowns).skip(POSE) {
+        let Some(steps) = step.as_flattened().get(..self.unknowns) else { return };
+        for (place, row) in self.rows.iter_mut().enumerate().take(self.unknowns) {
             let Some((right, factors)) = row.split_first_mut() else { return };
-            let factors = factors.iter().take(unknowns).skip(place);
-            let steps = step.as_flattened().iter().skip(place - POSE);
-            let moved: f32 = factors.zip(steps).map(|(factor, step)| factor * step).sum();
+            let (Some(factors), Some(steps)) = (factors.get(place..), steps.get(place..)) else { return };
+            let moved: f32 = factors.iter().zip(steps).map(|(factor, step)| factor * step).sum();
             *right -= moved;
         }
     }
@@ -229,8 +193,8 @@ impl SquareRoot {
     #[must_use]
     pub fn spread(&self, columns: &mut [Vector6<f32>; CAMERA * MAX_VIEWS]) -> Matrix6<f32> {
         let mut covariance = Matrix6::zeros();
-        let Some(mut rest) = columns.get_mut(..self.unknowns.saturating_sub(POSE)) else { return covariance };
-        for (place, row) in self.rows.iter().enumerate().skip(POSE) {
+        let Some(mut rest) = columns.get_mut(..self.unknowns) else { return covariance };
+        for (place, row) in self.rows.iter().enumerate() {
             let Some((head, tail)) = rest.split_first_mut() else { break };
             let mut factors = row.iter().skip(1 + place);
             let diagonal = factors.next().copied().unwrap_or(0.0);
@@ -248,10 +212,8 @@ impl SquareRoot {
     }
 }
 
-fn turn_both([first, second]: &[Givens; 2], own: &mut f32, [one, other]: &mut [f32; 2]) {
-    first.turn(own, one);
-    second.turn(own, other);
-}
+/// Room for one equation.
+const NO_EQUATION: Equations<1> = [[0.0]; UNKNOWNS + 1];
 
 /// Right hand side, diagonal and so many factors behind it of the row of an unknown.
 fn parts(row: &mut Row, place: usize, behind: usize) -> Option<(&mut f32, &mut f32, &mut [f32])> {

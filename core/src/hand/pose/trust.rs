@@ -91,10 +91,11 @@ impl Trust {
     /// Takes what it sees; tells whether the hand moved in it by more than noise: three balls did.
     fn look(&mut self, sightings: &Sightings, noise: f32) -> bool {
         let (mut count, mut sum_px) = (0_u8, 0.0);
+        let least = MOVED_SIGMAS * noise;
         for (now, stood) in sightings.iter().zip(&mut self.stood) {
             let Some(now) = now else { continue };
             let by_px = now.x_px - stood.get_or_insert(*now).x_px;
-            if now.whiten(by_px).norm() > MOVED_SIGMAS * noise {
+            if now.whiten(by_px).norm_squared() > least * least {
                 count = count.saturating_add(1);
                 sum_px += by_px.norm();
             }
@@ -133,7 +134,7 @@ impl PoseTracker {
     /// Looks which views see motion. One that shows the very same as in the last frame while another
     /// sees the hand move is frozen.
     pub(super) fn watch(&mut self, seen: &Seen) {
-        let noise = self.noise();
+        let noise = self.noise;
         let mut same = [false; MAX_VIEWS];
         let mut any_moved = false;
         for ((trust, sightings), same) in self.trust.iter_mut().zip(seen).zip(&mut same) {

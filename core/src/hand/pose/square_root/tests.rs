@@ -2,8 +2,8 @@ use super::*;
 use nalgebra::{SMatrix, SVector};
 use std::vec::Vec;
 
-/// Two cameras: 6 + 14 unknowns.
-const N: usize = POSE + 2 * CAMERA;
+/// Two cameras.
+const N: usize = 2 * CAMERA;
 
 /// Equations with seeded factors.
 fn equations(count: usize, seed: u32) -> Vec<(SVector<f64, N>, f64)> {
@@ -17,10 +17,10 @@ fn equations(count: usize, seed: u32) -> Vec<(SVector<f64, N>, f64)> {
 
 fn insert(into: &mut SquareRoot, equations: &[(SVector<f64, N>, f64)]) {
     for (factors, right) in equations {
-        let mut row: Row = [0.0; UNKNOWNS + 1];
-        row[0] = *right as f32;
+        let mut row = [[0.0]; UNKNOWNS + 1];
+        row[0] = [*right as f32];
         for (to, factor) in row[1..].iter_mut().zip(factors.iter()) {
-            *to = *factor as f32;
+            *to = [*factor as f32];
         }
         into.insert(&mut row);
     }
@@ -44,23 +44,20 @@ fn the_solution_is_that_of_the_normal_equations() {
     let mut known = SquareRoot::new(2);
     insert(&mut known, &told);
     let (solution, covariance) = reference(&told);
-    for (value, expected) in known.solve_cameras().as_flattened().iter().zip(solution.iter().skip(POSE)) {
+    for (value, expected) in known.solve_cameras().as_flattened().iter().zip(&solution) {
         assert!((f64::from(*value) - expected).abs() < 1e-4, "{value} {expected}");
     }
     // six quantities that depend on the cameras
     let factors = equations(6, 2);
     let mut columns = [Vector6::zeros(); CAMERA * MAX_VIEWS];
     for (k, (of, _)) in factors.iter().enumerate() {
-        for (column, factor) in columns.iter_mut().zip(of.iter().skip(POSE)) {
+        for (column, factor) in columns.iter_mut().zip(of.iter()) {
             column[k] = *factor as f32;
         }
     }
     let spread = known.spread(&mut columns);
     for (a, (left, _)) in factors.iter().enumerate() {
         for (b, (right, _)) in factors.iter().enumerate() {
-            let (mut left, mut right) = (*left, *right);
-            left.fixed_rows_mut::<POSE>(0).fill(0.0);
-            right.fixed_rows_mut::<POSE>(0).fill(0.0);
             let expected = (left.transpose() * covariance * right)[0];
             assert!((f64::from(spread[(a, b)]) - expected).abs() < 1e-4, "{a} {b}");
         }
@@ -68,26 +65,31 @@ fn the_solution_is_that_of_the_normal_equations() {
 }
 
 #[test]
-fn two_equations_at_once_are_as_one_after_the_other() {
-    let mut told = equations(61, 6);
-    // what is not told of, in one of the two or in both
-    for (factors, _) in told.iter_mut().skip(30) {
-        factors.fixed_rows_mut::<9>(3).fill(0.0);
+fn several_equations_at_once_are_as_one_after_the_other() {
+    let mut told = equations(64, 6);
+    // what is not told of, in some of the equations or in all
+    for (factors, _) in told.iter_mut().skip(12) {
+        factors.fixed_rows_mut::<3>(3).fill(0.0);
+    }
+    for (factors, _) in &mut told {
+        factors[9] = 0.0;
     }
     let mut known = SquareRoot::new(2);
-    insert(&mut known, &told[1..]);
-    let mut both = SquareRoot::new(2);
-    for two in told[1..].chunks(2) {
-        let mut pair: Pair = [[0.0; 2]; UNKNOWNS + 1];
-        for (k, (factors, right)) in two.iter().enumerate() {
-            pair[0][k] = *right as f32;
-            for (to, factor) in pair[1..].iter_mut().zip(factors.iter()) {
+    insert(&mut known, &told);
+    let mut together = SquareRoot::new(2);
+    for eight in told.as_chunks::<8>().0 {
+        let mut columns = [[0.0; 8]; UNKNOWNS + 1];
+        for (k, (factors, right)) in eight.iter().enumerate() {
+            columns[0][k] = *right as f32;
+            for (to, factor) in columns[1..].iter_mut().zip(factors.iter()) {
                 to[k] = *factor as f32;
             }
         }
-        both.insert_both(&mut pair);
+        together.insert(&mut columns);
     }
-    assert_eq!(both.rows, known.rows);
+    for (a, b) in together.rows.as_flattened().iter().zip(known.rows.as_flattened()) {
+        assert!((a - b).abs() < 1e-5, "{a} {b}");
+    }
 }
 
 #[test]
@@ -105,11 +107,10 @@ fn what_is_taken_out_leaves_the_rest_as_it_was() {
     let (solution, covariance) = reference(&told);
     let mut known = SquareRoot::new(2);
     insert(&mut known, &told);
-    known.forget_pose();
     known.forget_camera(0);
     let after = known.solve_cameras();
     assert_eq!(after[0], [0.0; CAMERA]);
-    for (value, expected) in after[1].iter().zip(solution.iter().skip(POSE + CAMERA)) {
+    for (value, expected) in after[1].iter().zip(solution.iter().skip(CAMERA)) {
         assert!((f64::from(*value) - expected).abs() < 1e-4, "{value} {expected}");
     }
     let mut columns = [Vector6::zeros(); CAMERA * MAX_VIEWS];
@@ -117,17 +118,16 @@ fn what_is_taken_out_leaves_the_rest_as_it_was() {
         column[k] = 1.0;
     }
     let spread = known.spread(&mut columns);
-    let block = covariance.fixed_view::<6, 6>(POSE + CAMERA, POSE + CAMERA);
+    let block = covariance.fixed_view::<6, 6>(CAMERA, CAMERA);
     assert!((spread.cast::<f64>() - block).amax() < 1e-4);
 
     // the other one, from a fresh start: its place is in the middle of the row
     let mut known = SquareRoot::new(2);
     insert(&mut known, &told);
-    known.forget_pose();
     known.forget_camera(1);
     let after = known.solve_cameras();
     assert_eq!(after[1], [0.0; CAMERA]);
-    for (value, expected) in after[0].iter().zip(solution.iter().skip(POSE)) {
+    for (value, expected) in after[0].iter().zip(&solution) {
         assert!((f64::from(*value) - expected).abs() < 1e-4, "{value} {expected}");
     }
 }
