@@ -19,6 +19,9 @@ pub(super) const TRIPLE: &str = "thumbv7em-none-eabihf";
 /// Set to anything: use Debian's compiler even where rustup has the target.
 const PREFER_DEBIAN: &str = "TETRAD_DEBIAN_RUST";
 
+/// The oldest compiler that builds this: `rust-version` of every manifest here.
+const OLDEST: &str = env!("CARGO_PKG_RUST_VERSION");
+
 const LIMIT: Duration = Duration::from_secs(900);
 
 /// rustc-web is Debian's name for the Rust that follows upstream.
@@ -50,7 +53,14 @@ impl Toolchain {
         }
         packages::debian(context, &DEBIAN_PACKAGES)
             .map_err(|missing| format!("{missing} (or: rustup target add {TRIPLE})"))?;
-        debian_sysroot(context).map(Self::Debian)
+        let release = debian_release()?;
+        if !is_recent_enough(&release, OLDEST) {
+            let oldest = OLDEST;
+            return Err(format!(
+                "Debian's rustc-web is {release}, and this needs {oldest} or later: rustup target add {TRIPLE}"
+            ));
+        }
+        debian_sysroot(context, &release).map(Self::Debian)
     }
 
     /// Cargo with `arguments`, set up for [`TRIPLE`] and so for every processor of it.
@@ -107,12 +117,25 @@ fn debian_cargo(context: &Context, target: &str) -> Command {
     cargo
 }
 
-/// Builds `core` from Debian's sources, once for each version of the compiler.
-fn debian_sysroot(context: &Context) -> Result<PathBuf, String> {
+/// The version of Debian's compiler, as "1.85.0".
+fn debian_release() -> Result<String, String> {
     let version =
         Command::new("/usr/bin/rustc").arg("-vV").output().map_err(|e| format!("/usr/bin/rustc: {e}"))?;
-    let version = String::from_utf8_lossy(&version.stdout).into_owned();
-    let release = version.lines().find_map(|line| line.strip_prefix("release: ")).unwrap_or("unknown");
+    let version = String::from_utf8_lossy(&version.stdout);
+    let release = version.lines().find_map(|line| line.strip_prefix("release: "));
+    release.map(str::to_owned).ok_or_else(|| "/usr/bin/rustc does not tell its version".to_owned())
+}
+
+/// Whether a compiler of this version, "1.85.0", is at least `oldest`, "1.89".
+fn is_recent_enough(release: &str, oldest: &str) -> bool {
+    let numbers = |version: &str| -> Vec<u32> {
+        version.split(['.', '-']).map_while(|number| number.parse().ok()).collect()
+    };
+    numbers(release) >= numbers(oldest)
+}
+
+/// Builds `core` from Debian's sources, once for each version of the compiler.
+fn debian_sysroot(context: &Context, release: &str) -> Result<PathBuf, String> {
     let sysroot = context.target.join("debian").join(format!("sysroot-{release}"));
     let done = sysroot.join("complete");
     if done.is_file() {
@@ -195,5 +218,18 @@ fn with_toolchain(context: &Context, work: impl FnOnce(&Cargo<'_>) -> Run) -> Ou
             };
             work(&cargo).outcome()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_old_compiler_is_told_from_one_that_will_do() {
+        assert!(is_recent_enough("1.89.0", "1.89"));
+        assert!(is_recent_enough("1.100.1-nightly", "1.89"));
+        assert!(!is_recent_enough("1.85.0", "1.89"));
+        assert!(!is_recent_enough("unknown", "1.89"));
     }
 }
