@@ -39,6 +39,9 @@ pub async fn track(
                             observation.observed_us = u32::try_from(after_us).unwrap_or(u32::MAX);
                             packets.send(Some(observation.into())).await;
                         }
+                        if let Some(strip) = seen.preview {
+                            packets.send(Some(strip.into())).await;
+                        }
                         None
                     }
                     Err(error) => Some(node.refuse(error.into())),

@@ -1,6 +1,6 @@
 //! Any bytes from a smart camera's serial port, in pieces of any size and at any time: what comes of them
-//! does not depend on how they were cut, only newer observations come through, and sound packets behind
-//! them are found.
+//! does not depend on how they were cut, only newer observations come through, what is shown is
+//! a picture of the size that the observations say, and sound packets behind them are found.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -28,6 +28,12 @@ fuzz_target!(|input: (u8, u32, u64, u32, &[u8])| {
     let came: Vec<_> = data.chunks(piece).filter_map(|piece| cut.take(piece, line, now_us)).collect();
     assert_eq!(came.last(), at_once.as_ref());
     assert_eq!(cut.counts(), whole.counts());
+    let shown = whole.take_picture();
+    assert_eq!(cut.take_picture(), shown);
+    if let Some(view) = shown.as_ref().and_then(|shown| shown.view()) {
+        let said = shown.as_ref().map(|shown| (shown.packet.width, shown.packet.height));
+        assert_eq!(Some((view.width(), view.height())), said);
+    }
     for pair in came.windows(2) {
         let ahead = pair[1].what.sequence.wrapping_sub(pair[0].what.sequence);
         let same = pair[0].what.session == pair[1].what.session;

@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use tetrad::link::{Carrier as _, Identity, Link, LinkConfig, PeerConfig, StationName};
 use tetrad::robot::clock::Clock;
-use tetrad_core::wire::ArmState;
+use tetrad_core::wire::{ArmState, VERSION};
 use tetrad_fixtures::packets;
 
 const LONG: Duration = Duration::from_secs(30);
@@ -117,8 +117,9 @@ fn one_without_a_certificate_gets_nothing() {
         .with_root_certificates(roots)
         .with_no_client_auth();
     let mut answered = false;
-    for lane in ["tetrad-motion/1.3", "tetrad-pictures/1"] {
-        config.alpn_protocols = vec![lane.as_bytes().to_vec()];
+    // the lanes that there are: another would be refused whatever is shown
+    for lane in [format!("tetrad-motion/1.{VERSION}"), "tetrad-pictures/1".to_owned()] {
+        config.alpn_protocols = vec![lane.into_bytes()];
         let client = quinn::ClientConfig::new(Arc::new(QuicClientConfig::try_from(config.clone()).unwrap()));
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {

@@ -19,7 +19,7 @@ const OF_NODE: usize = 17;
 
 #[test]
 fn every_packet_among_the_seeds_is_accepted() {
-    for kind in ["observation", "motion", "arm-state", "buttons", "command", "notice"] {
+    for kind in ["observation", "motion", "arm-state", "buttons", "command", "notice", "preview"] {
         let body = seed(&format!("packet/{kind}-body"), OF_PACKET);
         assert!(decode_body(&body).is_ok(), "{kind}: {:?}", decode_body(&body));
     }
@@ -41,6 +41,7 @@ fn every_frame_among_the_seeds_is_found() {
         ("packet/two-frames", OF_PACKET, 2),
         ("node/two-frames", OF_NODE, 2),
         ("node/noise-between", OF_NODE, 2),
+        ("node/thumbnail", OF_NODE, 4),
     ] {
         let found = Decoder::new().packets(&seed(path, before)).filter(Result::is_ok).count();
         assert_eq!(found, frames, "{path}");
@@ -50,7 +51,7 @@ fn every_frame_among_the_seeds_is_found() {
 /// A seed that nobody looks at here is none of packets.
 #[test]
 fn no_seed_of_packets_is_left_out() {
-    for (target, known) in [("packet", 7), ("node", 2), ("link", 7)] {
+    for (target, known) in [("packet", 8), ("node", 3), ("link", 7)] {
         let folder = tetrad_tests::repository().join("fuzz/seeds").join(target);
         let seeds = fs::read_dir(&folder).expect("the seeds").count();
         assert_eq!(seeds, known, "{}: a new seed needs a line in this file", folder.display());

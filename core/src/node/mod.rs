@@ -4,10 +4,12 @@
 //! |---|---|
 //! | commands, pictures, what is answered | this one |
 //! | what is known to come out right | `self_test` |
+//! | thumbnails of the balls, for people | `preview` |
 //!
 //! It knows no sensor, no serial line and no clock: a microcontroller's tasks feed it, and so does a test
 //! on a desktop, which then has the same packets to the byte.
 
+mod preview;
 mod self_test;
 
 use crate::config::{LearnConfig, TrackerConfig};
@@ -18,7 +20,10 @@ use crate::vision::colour::Primary;
 use crate::vision::frame::{FrameError, FrameView};
 use crate::vision::learn::{LearnError, learn};
 use crate::vision::tracker::{CameraTracker, TrackerError};
-use crate::wire::{BadPicture, Command, CommandPacket, NotTaught, Notice, NoticePacket, ObservationPacket};
+use crate::wire::{
+    BadPicture, Command, CommandPacket, NotTaught, Notice, NoticePacket, ObservationPacket, PreviewPacket,
+};
+use preview::Preview;
 
 /// Who a smart camera is, and how it works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +48,8 @@ pub struct Seen {
     pub observation: Option<ObservationPacket>,
     /// Answers to what was to be learnt from this picture.
     pub notices: heapless::Vec<NoticePacket, BALLS>,
+    /// What is to be shown with it, behind the observation; `None` where nothing is, or was asked for.
+    pub preview: Option<PreviewPacket>,
 }
 
 /// Names a command: its sender's session and its number.
@@ -55,7 +62,7 @@ struct Learning {
     asked_by: Name,
 }
 
-/// One smart camera. No heap; the tracker and little else.
+/// One smart camera. No heap; the tracker, a thumbnail and little else.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
     camera: u8,
@@ -70,6 +77,7 @@ pub struct Node {
     learning: [Option<Learning>; BALLS],
     /// The newest command, and its answer if it has one by now.
     newest: Option<(Name, Option<Notice>)>,
+    preview: Preview,
 }
 
 impl Node {
@@ -90,6 +98,7 @@ impl Node {
             learn: config.learn,
             learning: [None; BALLS],
             newest: None,
+            preview: Preview::off(),
         })
     }
 
@@ -123,6 +132,10 @@ impl Node {
             }
             Command::SelfTest if self_test::passes() => Notice::Done,
             Command::SelfTest => Notice::SelfTestFailed,
+            Command::Preview { every } => {
+                self.preview.begin(every);
+                Notice::Done
+            }
         };
         self.newest = Some((name, Some(answer)));
         Some(self.notice(Some(packet.sequence), answer))
@@ -156,6 +169,8 @@ impl Node {
                 pixels_tested: report.tested,
                 balls: report.observations,
             });
+            let named = (self.camera, self.session, self.observations);
+            seen.preview = self.preview.picture(frame, &report.observations, named);
             self.observations = self.observations.wrapping_add(1);
         }
         seen
@@ -180,6 +195,7 @@ impl Node {
 
     fn run(&mut self, running: bool) -> Notice {
         self.running = running;
+        self.preview.forget();
         Notice::Done
     }
 

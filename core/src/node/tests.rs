@@ -2,6 +2,8 @@ use super::*;
 use crate::vision::frame::PixelFormat;
 use std::{vec, vec::Vec};
 
+mod preview;
+
 const WIDTH: u16 = 160;
 const HEIGHT: u16 = 120;
 const AT: ImagePoint = ImagePoint { u: 80.0, v: 60.0 };

@@ -1,12 +1,14 @@
 //! A packet's body: version, kind, and the fields in postcard's encoding.
 
 use super::packet::{MotionPacket, ObservationPacket, Packet};
-use super::{ArmStatePacket, ButtonsPacket, CommandPacket, DecodeError, EncodeError, NoticePacket};
+use super::{
+    ArmStatePacket, ButtonsPacket, CommandPacket, DecodeError, EncodeError, NoticePacket, PreviewPacket,
+};
 use postcard::ser_flavors::{Flavor, Slice};
 use serde::de::DeserializeOwned;
 
 /// The version of every packet's layout. docs/wire.md says when it is raised.
-pub const VERSION: u8 = 4;
+pub const VERSION: u8 = 5;
 
 /// The kinds' numbers; a number once used is never given to another kind.
 pub(super) const OBSERVATION: u8 = 1;
@@ -15,6 +17,7 @@ pub(super) const ARM_STATE: u8 = 3;
 pub(super) const BUTTONS: u8 = 4;
 pub(super) const COMMAND: u8 = 5;
 pub(super) const NOTICE: u8 = 6;
+pub(super) const PREVIEW: u8 = 7;
 
 const HEADER_LEN: usize = 2;
 
@@ -24,7 +27,7 @@ pub const MAX_BODY_LEN: usize = HEADER_LEN
         longer(ObservationPacket::MAX_LEN, MotionPacket::MAX_LEN),
         longer(
             longer(ArmStatePacket::MAX_LEN, ButtonsPacket::MAX_LEN),
-            longer(CommandPacket::MAX_LEN, NoticePacket::MAX_LEN),
+            longer(CommandPacket::MAX_LEN, longer(NoticePacket::MAX_LEN, PreviewPacket::MAX_LEN)),
         ),
     );
 
@@ -85,6 +88,11 @@ pub fn decode_body(body: &[u8]) -> Result<Packet, DecodeError> {
             packet.check().map_err(DecodeError::Value)?;
             Ok(packet.into())
         }
+        PREVIEW => {
+            let packet: PreviewPacket = read_fields(fields)?;
+            packet.check().map_err(DecodeError::Value)?;
+            Ok(packet.into())
+        }
         unknown => Err(DecodeError::UnknownKind(unknown)),
     }
 }
@@ -116,6 +124,10 @@ pub(super) fn write_body<F: Flavor>(packet: &Packet, sink: F) -> Result<F::Outpu
         Packet::Notice(packet) => {
             packet.check().map_err(EncodeError::Value)?;
             postcard::serialize_with_flavor(&(VERSION, NOTICE, packet), sink)
+        }
+        Packet::Preview(packet) => {
+            packet.check().map_err(EncodeError::Value)?;
+            postcard::serialize_with_flavor(&(VERSION, PREVIEW, packet), sink)
         }
     };
     // no packet holds anything that postcard cannot write, so only room can be wanting

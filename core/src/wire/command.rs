@@ -41,6 +41,11 @@ pub enum Command {
     },
     /// Compute what is known to come out right, and say whether it did.
     SelfTest,
+    /// Show what the windows around the balls hold, one ball after the other.
+    Preview {
+        /// A thumbnail begins every so many pictures; 0 for none, as it is before this was told.
+        every: u16,
+    },
 }
 
 /// Told to a smart camera.
@@ -63,7 +68,7 @@ impl CommandPacket {
         let finite = match self.command {
             Command::Learn { at, .. } | Command::SetWindow { at, .. } => at.is_finite(),
             Command::SetReference { learnt, .. } => is_finite(&learnt),
-            Command::Start | Command::Stop | Command::SelfTest => true,
+            Command::Start | Command::Stop | Command::SelfTest | Command::Preview { .. } => true,
         };
         if finite { Ok(()) } else { Err(BadValue::NotFinite) }
     }

@@ -5,6 +5,7 @@
 //! | packet | [`packet`] | what one camera saw, how the hand moved |
 //! | | [`buttons`], [`arm_state`] | the operator's buttons; where the arm is, and why |
 //! | | [`command`] | what a smart camera is told, and what it answers |
+//! | | [`preview`] | what a smart camera shows of its balls |
 //! | body | [`body`] | version, kind, then the packet's fields in postcard's encoding |
 //! | frame | [`frame`] | COBS(body, CRC-16), then a zero byte |
 //! | decoder | [`decoder`] | frames out of a stream that is split, joined or damaged anywhere |
@@ -22,6 +23,7 @@ pub mod command;
 pub mod decoder;
 pub mod frame;
 pub mod packet;
+pub mod preview;
 
 pub use arm_state::{
     ArmReason, ArmState, ArmStatePacket, ArmVerdict, CommandEcho, ControllerState, MeasuredJoints, Settled,
@@ -32,6 +34,7 @@ pub use command::{BadPicture, Command, CommandPacket, NotTaught, Notice, NoticeP
 pub use decoder::{Decoder, Feed};
 pub use frame::{MAX_FRAME_LEN, encode};
 pub use packet::{Covariance, MotionPacket, ObservationPacket, Packet, Transform};
+pub use preview::PreviewPacket;
 
 #[cfg(test)]
 mod tests;
@@ -49,6 +52,8 @@ pub enum BadValue {
     NotACovariance,
     /// A share is not between 0 and 1.
     NotAShare,
+    /// Rows of pixels are no part of a thumbnail.
+    NotAStrip,
 }
 
 impl core::fmt::Display for BadValue {
@@ -60,6 +65,7 @@ impl core::fmt::Display for BadValue {
             Self::NotAShare => {
                 "the packet holds a share that is not one: between 0 and 1, or 1 to 100 percent"
             }
+            Self::NotAStrip => "the packet holds rows of pixels that are no part of a thumbnail",
         })
     }
 }

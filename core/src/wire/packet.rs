@@ -1,7 +1,7 @@
 //! The packets: what one camera saw, and how the hand moved. Plain arrays, no matrix types, so that
 //! what is sent is what is written here, field by field in this order.
 
-use super::{ArmStatePacket, BadValue, ButtonsPacket, CommandPacket, NoticePacket};
+use super::{ArmStatePacket, BadValue, ButtonsPacket, CommandPacket, NoticePacket, PreviewPacket};
 use crate::geometry::{ImagePoint, Pose};
 use crate::hand::state::{PoseCovariance, PoseState};
 use crate::observation::{BALLS, ImageCovariance, Observation, ObservationState, Observations};
@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// The most bytes postcard takes for an unsigned integer: seven bits a byte.
-const MAX_U16: usize = 3;
+pub(super) const MAX_U16: usize = 3;
 pub(super) const MAX_U32: usize = 5;
 pub(super) const MAX_U64: usize = 10;
 /// A byte, a bool, or an enum of fewer than 128 variants.
@@ -262,6 +262,8 @@ pub enum Packet {
     Command(CommandPacket),
     /// What a smart camera says beside its observations.
     Notice(NoticePacket),
+    /// A part of what a smart camera shows of a ball.
+    Preview(PreviewPacket),
 }
 
 impl From<ObservationPacket> for Packet {
@@ -300,6 +302,12 @@ impl From<NoticePacket> for Packet {
     }
 }
 
+impl From<PreviewPacket> for Packet {
+    fn from(packet: PreviewPacket) -> Self {
+        Self::Preview(packet)
+    }
+}
+
 impl Packet {
     /// The sender's session.
     #[must_use]
@@ -311,10 +319,12 @@ impl Packet {
             Self::Buttons(packet) => packet.session,
             Self::Command(packet) => packet.session,
             Self::Notice(packet) => packet.session,
+            Self::Preview(packet) => packet.session,
         }
     }
 
-    /// The packet's place among those of its kind (of an observation: of its camera) in its session.
+    /// The packet's place among those of its kind (of an observation: of its camera) in its session; of a preview: the
+    /// place of the observation of its picture.
     #[must_use]
     pub const fn sequence(&self) -> u32 {
         match self {
@@ -324,6 +334,7 @@ impl Packet {
             Self::Buttons(packet) => packet.sequence,
             Self::Command(packet) => packet.sequence,
             Self::Notice(packet) => packet.sequence,
+            Self::Preview(packet) => packet.sequence,
         }
     }
 }

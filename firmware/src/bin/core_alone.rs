@@ -58,6 +58,9 @@ fn camera() {
             if let Some(observation) = seen.observation {
                 send(&observation.into());
             }
+            if let Some(strip) = seen.preview {
+                send(&strip.into());
+            }
         }
         Err(error) => send(&node.refuse(error.into()).into()),
     }

@@ -59,6 +59,7 @@ impl Camera {
                         let seen = self.node.picture(&view, *capture_us, 0);
                         seen.notices.into_iter().for_each(|notice| send(notice.into()));
                         seen.observation.into_iter().for_each(|packet| send(packet.into()));
+                        seen.preview.into_iter().for_each(|strip| send(strip.into()));
                     }
                     Err(error) => send(self.node.refuse(error.into()).into()),
                 }

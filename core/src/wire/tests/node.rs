@@ -1,6 +1,6 @@
 //! The packets between a smart camera and its host.
 
-use super::super::body::{COMMAND, NOTICE};
+use super::super::body::{COMMAND, NOTICE, PREVIEW};
 use super::pinned::{documented, hex};
 use super::*;
 use crate::observation::Ball;
@@ -18,17 +18,35 @@ fn a_ball() -> LearntBall {
     LearntBall { reference, diameter: 15.5, aspect: 1.0 }
 }
 
+/// The second strip of a thumbnail: blue below a row of grey.
+fn strip() -> PreviewPacket {
+    let mut pixels = [[0x19, 0x4C].repeat(16).try_into().unwrap(); PreviewPacket::STRIP_ROWS];
+    pixels[0] = [0x5A, 0xCC].repeat(16).try_into().unwrap();
+    PreviewPacket {
+        camera: 1,
+        session: 700,
+        sequence: 300,
+        ball: Ball::Blue,
+        left: 144,
+        top: 103,
+        step: 2,
+        row: 6,
+        pixels,
+    }
+}
+
 /// The packets of the examples in docs/wire.md.
-fn examples() -> [Packet; 2] {
+fn examples() -> [Packet; 3] {
     let command = Command::Learn { ball: Ball::Blue, at: ImagePoint::new(160.0, 120.5) };
     let notice = Notice::Learnt { ball: Ball::Blue, learnt: a_ball() };
     [
         CommandPacket { session: 300, sequence: 4, command }.into(),
         NoticePacket { camera: 1, session: 700, sequence: 2, answers: Some(4), notice }.into(),
+        strip().into(),
     ]
 }
 
-fn commands() -> [Command; 6] {
+fn commands() -> [Command; 7] {
     let (ball, at) = (Ball::Yellow, ImagePoint::new(1.0, 2.0));
     [
         Command::Start,
@@ -37,6 +55,7 @@ fn commands() -> [Command; 6] {
         Command::SetReference { ball, learnt: a_ball() },
         Command::SetWindow { ball, at },
         Command::SelfTest,
+        Command::Preview { every: 300 },
     ]
 }
 
@@ -76,15 +95,29 @@ pub(super) fn packet() -> impl Strategy<Value = Packet> {
             NoticePacket { camera, session, sequence, answers, notice }.into()
         },
     );
-    prop_oneof![command, notice]
+    let place = (any::<(u16, u16)>(), 1..=u8::MAX, 0..3_u8);
+    let pixels = prop::array::uniform6(prop::array::uniform32(any::<u8>()));
+    let balls = prop::sample::select(Ball::ALL.to_vec());
+    let preview = (any::<(u8, u32, u32)>(), balls, place, pixels).prop_map(
+        |((camera, session, sequence), ball, ((left, top), step, strip), pixels)| {
+            let row = 6 * strip;
+            PreviewPacket { camera, session, sequence, ball, left, top, step, row, pixels }.into()
+        },
+    );
+    prop_oneof![command, notice, preview]
 }
 
 #[test]
 fn the_document_shows_what_a_camera_is_told_and_says() {
-    let [command, notice] = examples();
+    let [command, notice, preview] = examples();
     assert_eq!(hex(&documented("command body")), hex(&body_of(&command)));
     assert_eq!(hex(&documented("notice body")), hex(&body_of(&notice)));
-    let rows = [("command", CommandPacket::MAX_LEN), ("notice", NoticePacket::MAX_LEN)];
+    assert_eq!(hex(&documented("preview body")), hex(&body_of(&preview)));
+    let rows = [
+        ("command", CommandPacket::MAX_LEN),
+        ("notice", NoticePacket::MAX_LEN),
+        ("preview", PreviewPacket::MAX_LEN),
+    ];
     for (name, length) in rows {
         let fact = format!("| {name} | {} | {} |", 2 + length, 2 + length + 4);
         assert!(super::pinned::DOCUMENT.contains(&fact), "docs/wire.md lacks: {fact}");
@@ -101,6 +134,9 @@ fn the_lengths_are_reached() {
     let notice = NoticePacket { camera: 1, session, sequence, answers, notice };
     assert_eq!(body_of(&command.into()).len(), 2 + CommandPacket::MAX_LEN);
     assert_eq!(body_of(&notice.into()).len(), 2 + NoticePacket::MAX_LEN);
+    let (left, top) = (u16::MAX, u16::MAX);
+    let preview = PreviewPacket { session: u32::MAX, sequence: u32::MAX, left, top, ..strip() };
+    assert_eq!(body_of(&preview.into()).len(), 2 + PreviewPacket::MAX_LEN);
 }
 
 #[test]
@@ -134,10 +170,28 @@ fn what_is_not_finite_is_neither_sent_nor_taken() {
         let mut out = [0; MAX_BODY_LEN];
         assert_eq!(encode_body(&packet, &mut out), Err(EncodeError::Value(BadValue::NotFinite)));
     }
-    let [command, notice] = examples().map(|packet| body_of(&packet));
+    let [command, notice, _] = examples().map(|packet| body_of(&packet));
     for mut body in [command, notice] {
         let end = body.len();
         body[end - 4..].copy_from_slice(&f32::NAN.to_le_bytes());
         assert_eq!(decode_body(&body), Err(DecodeError::Value(BadValue::NotFinite)));
     }
+}
+
+#[test]
+fn rows_that_are_no_strip_are_neither_sent_nor_taken() {
+    let sound = body_of(&strip().into());
+    assert_eq!(sound[..2], [VERSION, PREVIEW]);
+    let at = sound.len() - 192;
+    assert_eq!(sound[at - 2..at], [2, 6], "step and row");
+    let not_a_strip = BadValue::NotAStrip;
+    for (step, row) in [(0, 6), (2, 5), (2, 18), (2, 255)] {
+        let packet = PreviewPacket { step, row, ..strip() }.into();
+        let mut out = [0; MAX_BODY_LEN];
+        assert_eq!(encode_body(&packet, &mut out), Err(EncodeError::Value(not_a_strip)));
+        let mut body = sound.clone();
+        body[at - 2..at].copy_from_slice(&[step, row]);
+        assert_eq!(decode_body(&body), Err(DecodeError::Value(not_a_strip)), "{step} {row}");
+    }
+    assert_eq!(decode_body(&sound), Ok(strip().into()));
 }

@@ -78,7 +78,7 @@ fn the_numbers_of_states_are_pinned() {
     let [observation, motion] = examples().map(|packet| body_of(&packet));
     assert_eq!(
         (observation[..2].to_vec(), motion[..2].to_vec()),
-        (vec![4, 1], vec![4, 2]),
+        (vec![5, 1], vec![5, 2]),
         "version and kind"
     );
 }

@@ -200,7 +200,8 @@ impl Reader {
                         | Packet::ArmState(_)
                         | Packet::Buttons(_)
                         | Packet::Command(_)
-                        | Packet::Notice(_),
+                        | Packet::Notice(_)
+                        | Packet::Preview(_),
                     ) => {}
                     Err(error) => self.counts.not_a_packet(error),
                 }

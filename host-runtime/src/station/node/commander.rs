@@ -106,6 +106,7 @@ fn name(command: &Command) -> &'static str {
         Command::SetReference { .. } => "take a ball's colours",
         Command::SetWindow { .. } => "look for a ball",
         Command::SelfTest => "test itself",
+        Command::Preview { .. } => "show its balls",
     }
 }
 

@@ -4,11 +4,11 @@
 
 use core::hint::black_box;
 use tetrad_core::hand::state::PoseState;
-use tetrad_core::observation::Observation;
+use tetrad_core::observation::{Ball, Observation};
 use tetrad_core::wire::{
     ArmReason, ArmState, ArmStatePacket, ArmVerdict, ButtonsPacket, CommandEcho, ControllerState, Covariance,
-    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, PressFor, ScaleShare, Settled,
-    Transform, decode_body, encode, encode_body,
+    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, PressFor, PreviewPacket,
+    ScaleShare, Settled, Transform, decode_body, encode, encode_body,
 };
 
 tetrad_no_panic::program!({
@@ -74,8 +74,19 @@ tetrad_no_panic::program!({
         press_for: black_box(PressFor::Home),
         scale: black_box(ScaleShare::FULL),
     });
+    let preview = Packet::from(PreviewPacket {
+        camera: 1,
+        session: 2,
+        sequence: 3,
+        ball: Ball::Blue,
+        left: 4,
+        top: 5,
+        step: 6,
+        row: 7,
+        pixels: [[8; 32]; 6],
+    });
     let mut buffer = black_box([0_u8; 300]);
-    for packet in black_box([observations, motion, state, buttons]) {
+    for packet in black_box([observations, motion, state, buttons, preview]) {
         for length in black_box([0_usize, 9, 300]) {
             if let Some(out) = buffer.get_mut(..length) {
                 let _ = black_box(encode_body(&packet, out));
