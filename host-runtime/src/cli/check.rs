@@ -157,9 +157,13 @@ fn tell_operator(operator: &OperatorSettings) {
         let focal = seen.focal_px.map_or(String::new(), |px| format!(", focal length {px} px"));
         let what = match &seen.place {
             HandCamera::Station(name) => format!("the station {name}{focal}"),
-            HandCamera::Serial { device, baud, colours } => {
+            HandCamera::Serial { device, baud, colours, preview_every } => {
                 let taught = if colours.is_some() { ", taught from its file of colours" } else { "" };
-                format!("a smart camera on {}, {baud} bits/s{taught}{focal}", device.display())
+                let shown = match preview_every {
+                    0 => String::new(),
+                    every => format!(", a ball shown every {every} pictures"),
+                };
+                format!("a smart camera on {}, {baud} bits/s{taught}{shown}{focal}", device.display())
             }
             HandCamera::Local(local) => camera(local),
         };

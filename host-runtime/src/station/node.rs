@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! serial port --bytes--> wire::Decoder --packets--> Receiver --newest--> the operator's loop
-//!    ^ opened again where it went away; told to start wherever nothing comes
+//!    ^                                                  +-- thumbnails --> Preview --picture--> the console
+//!    | opened again where it went away; told to start wherever nothing comes
 //! ```
 //!
 //! To the operator it is a camera station: its observations come with the times of the station's own
@@ -14,17 +15,23 @@
 //! command --Commander--> serial port --> answers, observations --SmartCamera--> one after the other
 //! ```
 
+#[cfg(all(test, unix))]
+mod board;
 mod commander;
 mod receiver;
 mod smart_camera;
+mod thumbnails;
 
 pub use commander::{Commander, Unanswered};
 pub use receiver::{Line, NodeCounts, Receiver};
 pub use smart_camera::{Seen, SmartCamera, SmartCameraError};
+pub use thumbnails::Pieced;
 
 use super::back_off::BackOff;
 use super::newest::Newest;
-use crate::link::Received;
+use super::preview::{Marks, Preview};
+use crate::link::{Picture, Received};
+use crate::locked::lock;
 use crate::robot::clock::Clock;
 use serialport::{ClearBuffer, DataBits, FlowControl, Parity, SerialPort, StopBits};
 use std::io::{self, ErrorKind, Read};
@@ -47,6 +54,9 @@ const SILENCE_US: u64 = 1_000_000;
 /// Bytes read at a time: more than a whole packet.
 const CHUNK: usize = 512;
 
+/// Pictures of thumbnails a second, at most: faster ones are for nobody.
+const MOST_PICTURES: f64 = 15.0;
+
 /// What a smart camera is told.
 #[derive(Clone, Copy, Debug)]
 pub struct Told {
@@ -54,6 +64,8 @@ pub struct Told {
     pub session: u32,
     /// What it is taught: only these balls, of which there may be none.
     pub taught: [Option<LearntBall>; BALLS],
+    /// A thumbnail of a ball is shown every so many pictures; 0 for none.
+    pub preview_every: u16,
 }
 
 /// A smart camera on a serial port. Where it is dropped, the port is closed.
@@ -65,6 +77,8 @@ pub struct SerialNode {
 struct Shared {
     newest: Newest,
     counts: Mutex<NodeCounts>,
+    /// The newest picture that was not taken.
+    picture: Mutex<Option<Received<Picture>>>,
     stop: AtomicBool,
 }
 
@@ -85,8 +99,10 @@ impl SerialNode {
         let shared = Arc::new(Shared {
             newest: Newest::default(),
             counts: Mutex::default(),
+            picture: Mutex::default(),
             stop: AtomicBool::new(false),
         });
+        let preview = (told.preview_every > 0).then(|| shared.preview(clock.clone())).transpose()?;
         let listener = Listener {
             device: device.to_owned(),
             baud,
@@ -94,7 +110,8 @@ impl SerialNode {
             shared: Arc::clone(&shared),
             receiver: Receiver::default(),
             commander: Commander::new(told.session),
-            taught: told.taught,
+            told,
+            preview,
             told_us: None,
             back_off: BackOff::default(),
             not_open: String::new(),
@@ -108,6 +125,12 @@ impl SerialNode {
     #[must_use]
     pub fn observation(&self) -> Option<Received<ObservationPacket>> {
         self.shared.newest.take()
+    }
+
+    /// The newest picture of what it shows of its balls, if it was not taken yet; as old as the newest thumbnail in it.
+    #[must_use]
+    pub fn picture(&self) -> Option<Received<Picture>> {
+        lock(&self.shared.picture).take()
     }
 
     /// What the operator should know and was not told yet: a port that went away or came back.
@@ -132,6 +155,18 @@ impl Drop for SerialNode {
     }
 }
 
+impl Shared {
+    /// What draws and encodes the pictures, beside the thread that listens.
+    fn preview(self: &Arc<Self>, clock: Clock) -> io::Result<Preview> {
+        let shared = Arc::clone(self);
+        Preview::start(MOST_PICTURES, Marks::Drawn, move |picture, _, _| {
+            // it was taken by this clock: see `Pieced`
+            let (received_us, captured_us) = (clock.now_us(), Some(picture.capture_us));
+            *lock(&shared.picture) = Some(Received { what: picture, received_us, captured_us });
+        })
+    }
+}
+
 /// The thread's own.
 struct Listener {
     device: PathBuf,
@@ -140,7 +175,9 @@ struct Listener {
     shared: Arc<Shared>,
     receiver: Receiver,
     commander: Commander,
-    taught: [Option<LearntBall>; BALLS],
+    told: Told,
+    /// `None` where nothing is shown.
+    preview: Option<Preview>,
     /// When it was told to start, last, since the port was opened.
     told_us: Option<u64>,
     back_off: BackOff,
@@ -203,6 +240,12 @@ impl Listener {
             if let Some(answer) = self.receiver.take_answer() {
                 self.answered(&answer);
             }
+            if let Some(preview) = &mut self.preview
+                && let Some(picture) = self.receiver.take_picture()
+                && let Some(view) = picture.view()
+            {
+                preview.offer(&view, &picture.packet, &[None; BALLS]);
+            }
             if let Some(came) = came {
                 heard_us = Some(now_us);
                 self.shared.newest.put(came);
@@ -213,17 +256,18 @@ impl Listener {
     }
 
     /// Writes the commands that are due. A camera that has sent no observations since the port was opened, or for a
-    /// while, is taught and told to start: it may have been switched off, and have forgotten all.
+    /// while, is taught, told what to show and to start: it may have been switched off, and have forgotten all.
     fn command(&mut self, port: &mut dyn SerialPort, heard_us: Option<u64>) -> io::Result<()> {
         let now_us = self.clock.now_us();
         let lately =
             |at_us: Option<u64>| at_us.is_some_and(|at_us| now_us.saturating_sub(at_us) < SILENCE_US);
         if self.commander.is_idle() && !lately(heard_us) && !lately(self.told_us) {
-            for (ball, learnt) in Ball::ALL.into_iter().zip(self.taught) {
+            for (ball, learnt) in Ball::ALL.into_iter().zip(self.told.taught) {
                 learnt
                     .into_iter()
                     .for_each(|learnt| self.commander.tell(Command::SetReference { ball, learnt }));
             }
+            self.commander.tell(Command::Preview { every: self.told.preview_every });
             self.commander.tell(Command::Start);
             self.told_us = Some(now_us);
         }

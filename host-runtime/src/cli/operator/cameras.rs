@@ -37,7 +37,8 @@ pub(super) struct HandEye {
 
 enum Place {
     Station(Peer),
-    Serial(SerialNode),
+    /// How often it shows a ball too: every so many pictures, 0 for never.
+    Serial(SerialNode, u16),
     Here(CameraThread),
     /// It is here, and its thread has not begun.
     Opened(Box<CameraStation>),
@@ -49,13 +50,14 @@ enum Place {
 pub(super) struct Cameras(pub(super) Vec<HandEye>);
 
 impl Cameras {
-    /// Opens those that are here; their threads [begin](Self::begin) later.
+    /// Opens those that are here; their threads [begin](Self::begin) later. `shown`: somebody may look at them.
     pub(super) fn open(
         settings: &[HandCameraSettings],
         link: Option<&Link>,
         session: u32,
         clock: &Clock,
         bell: &Doorbell,
+        shown: bool,
     ) -> Result<Self, Failure> {
         let mut eyes = Vec::new();
         for (camera, number) in settings.iter().zip(0..) {
@@ -71,13 +73,15 @@ impl Cameras {
                         })?,
                     )
                 }
-                HandCamera::Serial { device, baud, colours } => {
+                HandCamera::Serial { device, baud, colours, preview_every } => {
                     let told = Told {
                         session,
                         taught: colours.as_ref().map_or([None; BALLS], |colours| colours.learnt_balls()),
+                        preview_every: if shown { *preview_every } else { 0 },
                     };
                     let node = SerialNode::start(device, *baud, clock.clone(), told, ring);
-                    Place::Serial(node.context("a camera's thread cannot be started").or_exit(Exit::Failed)?)
+                    let node = node.context("a camera's thread cannot be started").or_exit(Exit::Failed)?;
+                    Place::Serial(node, *preview_every)
                 }
                 HandCamera::Local(local) => {
                     let label = Label { camera: number, session };
@@ -109,7 +113,7 @@ impl Cameras {
                     "this camera is at another computer, which learns its balls itself: run `tetrad learn` there, \
                      and start its station again",
                 ),
-                Place::Serial(_) => SetUpPlace::Elsewhere(
+                Place::Serial(..) => SetUpPlace::Elsewhere(
                     "this is a smart camera, which learns its balls itself: end this program, run `tetrad learn` \
                      with its port, name the file as its colours here, and start again",
                 ),
@@ -120,11 +124,12 @@ impl Cameras {
         self.0.iter().zip(settings).map(camera).collect()
     }
 
-    /// Pictures that camera stations send to be looked at, each with its camera's place.
+    /// Pictures that camera stations and smart cameras send to be looked at, each with its camera's place.
     pub(super) fn pictures(&self) -> impl Iterator<Item = (usize, Received<Picture>)> {
         self.0.iter().enumerate().filter_map(|(at, eye)| match &eye.place {
             Place::Station(peer) => Some((at, peer.picture(CAMERA)?)),
-            Place::Serial(_) | Place::Here(_) | Place::Opened(_) | Place::Over => None,
+            Place::Serial(node, _) => Some((at, node.picture()?)),
+            Place::Here(_) | Place::Opened(_) | Place::Over => None,
         })
     }
 
@@ -132,7 +137,7 @@ impl Cameras {
     pub(super) fn views(&self, pairing: &Pairing, desk: &Desk, now_us: u64) -> Vec<CameraView> {
         let view = |(at, eye): (usize, &HandEye)| CameraView {
             name: eye.name.clone(),
-            view: (!matches!(eye.place, Place::Serial(_))).then_some(at),
+            view: (!matches!(eye.place, Place::Serial(_, 0))).then_some(at),
             no_picture: eye.no_picture(desk.shown(at).is_some(), now_us),
             age_us: eye.heard_us.map(|heard_us| now_us.saturating_sub(heard_us)),
             rate: pairing.measured_period_us(at).map(|us| 1e6 / us),
@@ -181,7 +186,7 @@ impl Cameras {
         self.0
             .iter()
             .flat_map(|eye| match &eye.place {
-                Place::Serial(node) => node.take_notices(),
+                Place::Serial(node, _) => node.take_notices(),
                 Place::Here(thread) => thread.take_notices(),
                 Place::Station(_) | Place::Opened(_) | Place::Over => Vec::new(),
             })
@@ -218,7 +223,7 @@ impl HandEye {
     pub(super) fn observation(&mut self) -> Option<Received<ObservationPacket>> {
         let observation = match &self.place {
             Place::Station(peer) => peer.observation(CAMERA),
-            Place::Serial(node) => node.observation(),
+            Place::Serial(node, _) => node.observation(),
             Place::Here(thread) => thread.observation(),
             Place::Opened(_) | Place::Over => None,
         };
@@ -234,8 +239,19 @@ impl HandEye {
     /// Why nothing of it can be looked at.
     fn no_picture(&self, pictured: bool, now_us: u64) -> Option<&'static str> {
         match &self.place {
-            Place::Station(_) => no_preview(self.first_us, pictured, now_us),
-            Place::Serial(_) => Some("no preview: a smart camera sends no pictures"),
+            Place::Station(_) => no_preview(
+                self.first_us,
+                pictured,
+                now_us,
+                "no preview: [camera] preview_fps is 0 at that station",
+            ),
+            Place::Serial(_, 0) => Some("no preview: preview_every is 0"),
+            Place::Serial(..) => no_preview(
+                self.first_us,
+                pictured,
+                now_us,
+                "no preview so far: a smart camera shows its balls alone",
+            ),
             Place::Over if !pictured => Some("this recording is over"),
             Place::Here(_) | Place::Opened(_) | Place::Over => None,
         }
@@ -245,7 +261,7 @@ impl HandEye {
     pub(super) fn losses(&self) -> String {
         let peer = match &self.place {
             Place::Station(peer) => peer,
-            Place::Serial(node) => {
+            Place::Serial(node, _) => {
                 let counts = node.counts();
                 return format!(
                     ", {} lost, {} damaged, {} other packets",
@@ -260,9 +276,9 @@ impl HandEye {
 }
 
 /// Why there is no picture of a station whose first observations came then.
-fn no_preview(first_us: Option<u64>, pictured: bool, now_us: u64) -> Option<&'static str> {
+fn no_preview(first_us: Option<u64>, pictured: bool, now_us: u64, why: &'static str) -> Option<&'static str> {
     let long = now_us.saturating_sub(first_us?) > PICTURED_US;
-    (long && !pictured).then_some("no preview: [camera] preview_fps is 0 at that station")
+    (long && !pictured).then_some(why)
 }
 
 #[cfg(test)]
@@ -271,7 +287,7 @@ mod tests {
 
     #[test]
     fn a_view_that_stays_black_says_why() {
-        let told = |first_us, pictured, now_us| no_preview(first_us, pictured, now_us).is_some();
+        let told = |first_us, pictured, now_us| no_preview(first_us, pictured, now_us, "").is_some();
         assert!(!told(None, false, 9 * PICTURED_US), "a station that is not there has said nothing");
         assert!(!told(Some(5), false, PICTURED_US), "the first may be on its way");
         assert!(told(Some(5), false, 2 * PICTURED_US));

@@ -201,7 +201,8 @@ impl Order<'_> {
         let station = Operator::new(&config(operator)?, session).or_exit(Exit::BadArguments)?;
         let console = self.console(&clock, &bell)?;
         let desk = console.as_ref().map(|(_, desk)| desk);
-        let mut cameras = Cameras::open(&operator.cameras, link.as_ref(), session, &clock, &bell)?;
+        let mut cameras =
+            Cameras::open(&operator.cameras, link.as_ref(), session, &clock, &bell, desk.is_some())?;
         let tape = match self.record {
             Some(path) => Some(session::start(path, operator, &cameras, &clock)?),
             None => None,

@@ -37,6 +37,7 @@ pub(in crate::settings) struct CameraToml {
     size: Option<[u16; 2]>,
     mode: Option<ModeToml>,
     preview_fps: Option<f64>,
+    preview_every: Option<u16>,
 }
 
 /// A camera station.
@@ -90,6 +91,10 @@ impl CameraToml {
             return Err((at("source"), mend));
         }
         let fps = within(&at("fps"), self.fps, 1.0..=MAX_FPS, " frames/s")?;
+        if self.preview_every.is_some() {
+            let mend = "a smart camera on a serial port takes it: leave it out".to_owned();
+            return Err((at("preview_every"), mend));
+        }
         let focal = f64::from(*FOCAL_PX.start())..=f64::from(*FOCAL_PX.end());
         let focal_px = within(&at("focal_px"), self.focal_px, focal, " px")?.map(|px| px as f32);
         let view = match self.view {
@@ -129,6 +134,11 @@ impl CameraToml {
         ]
         .into_iter()
         .filter_map(|(key, given)| given.then_some(key))
+    }
+
+    /// Of how many pictures one begins a smart camera's thumbnail, as it was given.
+    pub(super) const fn preview_every(&self) -> Option<u16> {
+        self.preview_every
     }
 
     /// The focal length as it was given.

@@ -14,6 +14,10 @@ use tetrad_core::config::{FilterConfig, MAX_ARM_M, MAX_LEAD_US, MIN_ARM_M, Predi
 /// Cameras of one hand: as many as core solves for.
 const MAX_CAMERAS: usize = 8;
 
+/// A smart camera shows a ball every so many pictures: three a second at 30 pictures a second, so that the newest is
+/// not stale before the next has come, for 2 KB/s of the line.
+const PREVIEW_EVERY: u16 = 10;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(in crate::settings) struct OperatorToml {
@@ -94,6 +98,8 @@ pub enum HandCamera {
         baud: u32,
         /// What it is taught; without, it keeps what it was taught before.
         colours: Option<Box<Colours>>,
+        /// It shows a ball to the console every so many pictures; 0 for never.
+        preview_every: u16,
     },
     /// Plugged in here.
     Local(Box<LocalCamera>),
@@ -194,7 +200,12 @@ impl CameraToml {
                 let SerialPlace { device, baud } = place.map_err(wrong)?;
                 let colours = file.as_deref().map(colours_in).transpose();
                 let colours = colours.map_err(|problem| (format!("{key} colours"), problem))?.map(Box::new);
-                HandCamera::Serial { device, baud, colours }
+                let preview_every = self.preview_every().unwrap_or(PREVIEW_EVERY);
+                HandCamera::Serial { device, baud, colours, preview_every }
+            }
+            None if self.preview_every().is_some() => {
+                let mend = format!("{} has preview_fps, at that station: leave it out here", self.source());
+                return Err((format!("{key} preview_every"), mend));
             }
             None => HandCamera::Station(node.parse().map_err(|error| wrong(format!("{error}")))?),
         };

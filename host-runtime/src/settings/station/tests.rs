@@ -75,12 +75,13 @@ fn everything_in_one_file() {
     .unwrap();
     let operator = settings.operator.unwrap();
     assert_eq!((settings.network, operator.slave), (None, SlavePlace::Here));
-    let serial = HandCamera::Serial { device: "/dev/ttyACM0".into(), baud: 115_200, colours: None };
+    let device = "/dev/ttyACM0".into();
+    let serial = HandCamera::Serial { device, baud: 115_200, colours: None, preview_every: 10 };
     assert_eq!(operator.cameras[2].place, serial);
 }
 
 #[test]
-fn a_smart_camera_may_have_colours_and_nothing_else_of_a_camera_here() {
+fn a_smart_camera_may_have_colours_and_a_preview_and_nothing_else_of_a_camera_here() {
     let dir = tempfile::tempdir().unwrap();
     let colours =
         "reference = [200, 30, 30]\ntypical = [200, 30, 30]\nbackground = [90, 90, 90]\ndiameter_px = 15\n";
@@ -103,6 +104,23 @@ fn a_smart_camera_may_have_colours_and_nothing_else_of_a_camera_here() {
     let refused = |more: &str| load_in(dir.path(), &text(more)).unwrap_err();
     let missing = refused("colours = \"none.toml\"");
     assert!(missing.starts_with("[[operator.camera]] 1 colours: cannot read"), "{missing}");
+    for (given, expected) in [("", 10), ("preview_every = 0", 0), ("preview_every = 65535", u16::MAX)] {
+        let operator = load_in(dir.path(), &text(given)).unwrap().operator.unwrap();
+        let place = &operator.cameras[0].place;
+        assert!(
+            matches!(place, HandCamera::Serial { preview_every, .. } if *preview_every == expected),
+            "{place:?}"
+        );
+    }
+    for wrong in ["-1", "65536", "0.5"] {
+        let told = refused(&format!("preview_every = {wrong}"));
+        assert!(told.contains("preview_every"), "{told}");
+    }
+    for (source, mend) in [("sim:demo", "a smart camera"), ("node:left", "has preview_fps")] {
+        let other = text("preview_every = 10").replace("node:serial:/dev/ttyACM0", source);
+        let told = load_in(dir.path(), &other).unwrap_err();
+        assert!(told.starts_with("[[operator.camera]] 1 preview_every: ") && told.contains(mend), "{told}");
+    }
     let paper = refused("colours = \"smart.toml\"\nmode = \"paper\"");
     assert!(paper.starts_with("[[operator.camera]] 1 mode: node:serial:/dev/ttyACM0 knows"), "{paper}");
     let twice =

@@ -1,10 +1,11 @@
-//! From the bytes of a serial line to observations with this station's times. Knows no port and is told
-//! the time.
+//! From the bytes of a serial line to observations with this station's times, and to what is shown. Knows no port and
+//! is told the time.
 
+use super::thumbnails::{Pieced, Thumbnails};
 use crate::link::Received;
 use std::collections::VecDeque;
 use std::path::Path;
-use tetrad_core::wire::{DecodeError, Decoder, NoticePacket, ObservationPacket, Packet};
+use tetrad_core::wire::{DecodeError, Decoder, NoticePacket, ObservationPacket, Packet, PreviewPacket};
 
 /// The least lateness is kept of each stretch of this length, microseconds...
 const STRETCH_US: u64 = 500_000;
@@ -21,7 +22,7 @@ pub struct NodeCounts {
     pub lost: u64,
     /// Frames that were damaged, or are no packet of this version.
     pub damaged: u64,
-    /// Packets that are not observations, or come twice.
+    /// Packets that are neither observations nor shown, or come twice.
     pub other: u64,
 }
 
@@ -58,6 +59,9 @@ pub struct Receiver {
     sequence: u32,
     lateness: Lateness,
     counts: NodeCounts,
+    /// The newest observations.
+    last: Option<Received<ObservationPacket>>,
+    thumbnails: Thumbnails,
     /// The newest answer to a command that was not taken.
     answer: Option<NoticePacket>,
     /// The version that was told.
@@ -71,6 +75,7 @@ impl Receiver {
         self.decoder = Decoder::default();
         self.bytes = 0;
         self.begun = false;
+        self.thumbnails.forget();
     }
 
     /// Takes what was read at a time; the newest observations in it, if there are any.
@@ -94,6 +99,7 @@ impl Receiver {
                     newest = self.observation(packet, now_us, wire_us).or(newest);
                 }
                 Some(Ok(Packet::Notice(notice))) if notice.answers.is_some() => self.answer = Some(notice),
+                Some(Ok(Packet::Preview(strip))) => self.preview(&strip),
                 Some(Ok(_)) => self.counts.other += 1,
                 Some(Err(DecodeError::UnknownVersion(version))) => self.other_version(version),
                 Some(Err(_)) if first => {}
@@ -109,6 +115,11 @@ impl Receiver {
         self.counts
     }
 
+    /// The picture of what the camera shows of its balls, where that is another than before.
+    pub fn take_picture(&mut self) -> Option<Pieced> {
+        self.thumbnails.take_picture()
+    }
+
     /// What answers a command, once.
     pub fn take_answer(&mut self) -> Option<NoticePacket> {
         self.answer.take()
@@ -117,6 +128,14 @@ impl Receiver {
     /// What there is to tell, once.
     pub fn take_notice(&mut self) -> Option<String> {
         self.notice.take()
+    }
+
+    fn preview(&mut self, strip: &PreviewPacket) {
+        if self.session == Some(strip.session) {
+            self.thumbnails.take(strip, self.last.as_ref());
+        } else {
+            self.counts.other += 1;
+        }
     }
 
     fn other_version(&mut self, version: u8) {
@@ -142,6 +161,7 @@ impl Receiver {
             self.sequence = packet.sequence.wrapping_sub(1);
             // another session counts the time from another beginning
             self.lateness = Lateness::default();
+            self.thumbnails.forget();
         }
         self.doubted = None;
         let ahead = packet.sequence.wrapping_sub(self.sequence);
@@ -156,7 +176,8 @@ impl Receiver {
         let left_us = now_us.saturating_sub(wire_us);
         let offset_us = self.lateness.least(difference(left_us, sent_us), now_us);
         let captured_us = packet.capture_us.saturating_add_signed(offset_us);
-        Some(Received { what: packet, received_us: now_us, captured_us: Some(captured_us) })
+        self.last = Some(Received { what: packet, received_us: now_us, captured_us: Some(captured_us) });
+        self.last
     }
 }
 
