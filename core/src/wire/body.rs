@@ -3,6 +3,7 @@
 use super::packet::{MotionPacket, ObservationPacket, Packet};
 use super::{
     ArmStatePacket, ButtonsPacket, CommandPacket, DecodeError, EncodeError, NoticePacket, PreviewPacket,
+    ShownPacket,
 };
 use postcard::ser_flavors::{Flavor, Slice};
 use serde::de::DeserializeOwned;
@@ -18,6 +19,7 @@ pub(super) const BUTTONS: u8 = 4;
 pub(super) const COMMAND: u8 = 5;
 pub(super) const NOTICE: u8 = 6;
 pub(super) const PREVIEW: u8 = 7;
+pub(super) const SHOWN: u8 = 8;
 
 const HEADER_LEN: usize = 2;
 
@@ -27,7 +29,10 @@ pub const MAX_BODY_LEN: usize = HEADER_LEN
         longer(ObservationPacket::MAX_LEN, MotionPacket::MAX_LEN),
         longer(
             longer(ArmStatePacket::MAX_LEN, ButtonsPacket::MAX_LEN),
-            longer(CommandPacket::MAX_LEN, longer(NoticePacket::MAX_LEN, PreviewPacket::MAX_LEN)),
+            longer(
+                longer(CommandPacket::MAX_LEN, NoticePacket::MAX_LEN),
+                longer(PreviewPacket::MAX_LEN, ShownPacket::MAX_LEN),
+            ),
         ),
     );
 
@@ -93,6 +98,7 @@ pub fn decode_body(body: &[u8]) -> Result<Packet, DecodeError> {
             packet.check().map_err(DecodeError::Value)?;
             Ok(packet.into())
         }
+        SHOWN => Ok(read_fields::<ShownPacket>(fields)?.into()),
         unknown => Err(DecodeError::UnknownKind(unknown)),
     }
 }
@@ -129,6 +135,7 @@ pub(super) fn write_body<F: Flavor>(packet: &Packet, sink: F) -> Result<F::Outpu
             packet.check().map_err(EncodeError::Value)?;
             postcard::serialize_with_flavor(&(VERSION, PREVIEW, packet), sink)
         }
+        Packet::Shown(packet) => postcard::serialize_with_flavor(&(VERSION, SHOWN, packet), sink),
     };
     // no packet holds anything that postcard cannot write, so only room can be wanting
     written.map_err(|_| EncodeError::BufferTooSmall)

@@ -6,6 +6,7 @@
 //! | | [`buttons`], [`arm_state`] | the operator's buttons; where the arm is, and why |
 //! | | [`command`] | what a smart camera is told, and what it answers |
 //! | | [`preview`] | what a smart camera shows of its balls |
+//! | | [`shown`] | pictures for a camera without a sensor |
 //! | body | [`body`] | version, kind, then the packet's fields in postcard's encoding |
 //! | frame | [`frame`] | COBS(body, CRC-16), then a zero byte |
 //! | decoder | [`decoder`] | frames out of a stream that is split, joined or damaged anywhere |
@@ -24,6 +25,7 @@ pub mod decoder;
 pub mod frame;
 pub mod packet;
 pub mod preview;
+pub mod shown;
 
 pub use arm_state::{
     ArmReason, ArmState, ArmStatePacket, ArmVerdict, CommandEcho, ControllerState, MeasuredJoints, Settled,
@@ -35,6 +37,7 @@ pub use decoder::{Decoder, Feed};
 pub use frame::{MAX_FRAME_LEN, encode};
 pub use packet::{Covariance, MotionPacket, ObservationPacket, Packet, Transform};
 pub use preview::PreviewPacket;
+pub use shown::{STRIP_BYTES, Shown, ShownPacket, Strip};
 
 #[cfg(test)]
 mod tests;

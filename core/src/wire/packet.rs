@@ -1,7 +1,9 @@
 //! The packets: what one camera saw, and how the hand moved. Plain arrays, no matrix types, so that
 //! what is sent is what is written here, field by field in this order.
 
-use super::{ArmStatePacket, BadValue, ButtonsPacket, CommandPacket, NoticePacket, PreviewPacket};
+use super::{
+    ArmStatePacket, BadValue, ButtonsPacket, CommandPacket, NoticePacket, PreviewPacket, ShownPacket,
+};
 use crate::geometry::{ImagePoint, Pose};
 use crate::hand::state::{PoseCovariance, PoseState};
 use crate::observation::{BALLS, ImageCovariance, Observation, ObservationState, Observations};
@@ -264,6 +266,8 @@ pub enum Packet {
     Notice(NoticePacket),
     /// A part of what a smart camera shows of a ball.
     Preview(PreviewPacket),
+    /// What a camera without a sensor is shown.
+    Shown(ShownPacket),
 }
 
 impl From<ObservationPacket> for Packet {
@@ -308,6 +312,12 @@ impl From<PreviewPacket> for Packet {
     }
 }
 
+impl From<ShownPacket> for Packet {
+    fn from(packet: ShownPacket) -> Self {
+        Self::Shown(packet)
+    }
+}
+
 impl Packet {
     /// The sender's session.
     #[must_use]
@@ -320,11 +330,12 @@ impl Packet {
             Self::Command(packet) => packet.session,
             Self::Notice(packet) => packet.session,
             Self::Preview(packet) => packet.session,
+            Self::Shown(packet) => packet.session,
         }
     }
 
     /// The packet's place among those of its kind (of an observation: of its camera) in its session; of a preview: the
-    /// place of the observation of its picture.
+    /// place of the observation of its picture; of a part of a picture that is shown: the picture's.
     #[must_use]
     pub const fn sequence(&self) -> u32 {
         match self {
@@ -335,6 +346,7 @@ impl Packet {
             Self::Command(packet) => packet.sequence,
             Self::Notice(packet) => packet.sequence,
             Self::Preview(packet) => packet.sequence,
+            Self::Shown(packet) => packet.picture,
         }
     }
 }

@@ -14,6 +14,7 @@ use std::{format, string::String, vec, vec::Vec};
 
 mod node;
 mod pinned;
+mod shown;
 mod stations;
 
 /// The packets of the examples in docs/wire.md.
@@ -176,7 +177,7 @@ fn motion_packet() -> impl Strategy<Value = Packet> {
 }
 
 fn packet() -> impl Strategy<Value = Packet> {
-    prop_oneof![observation_packet(), motion_packet(), stations::packet(), node::packet()]
+    prop_oneof![observation_packet(), motion_packet(), stations::packet(), node::packet(), shown::packet()]
 }
 
 proptest! {

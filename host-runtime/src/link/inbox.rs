@@ -182,7 +182,7 @@ impl Inbox {
             Packet::Motion(packet) => self.motion.put(sequence, packet, now_us),
             Packet::Buttons(packet) => self.buttons.put(sequence, packet, now_us),
             Packet::ArmState(packet) => self.arm_state.put(sequence, packet, now_us),
-            Packet::Command(_) | Packet::Notice(_) | Packet::Preview(_) => {
+            Packet::Command(_) | Packet::Notice(_) | Packet::Preview(_) | Packet::Shown(_) => {
                 self.no_packet += 1;
                 Err(Dropped::NoPacket(DecodeError::UnknownKind(body.get(1).copied().unwrap_or_default())))
             }

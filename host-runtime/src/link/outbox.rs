@@ -48,7 +48,7 @@ impl Outbox<PACKETS> {
         let length = encode_body(packet, &mut body)?;
         let slot = match packet {
             // a smart camera's, on its serial line: no peer of a link takes them
-            Packet::Command(_) | Packet::Notice(_) | Packet::Preview(_) => return Ok(()),
+            Packet::Command(_) | Packet::Notice(_) | Packet::Preview(_) | Packet::Shown(_) => return Ok(()),
             Packet::Motion(_) => 0,
             Packet::Buttons(_) => 1,
             Packet::ArmState(_) => 2,

@@ -202,6 +202,7 @@ impl Reader {
                         | Packet::Command(_)
                         | Packet::Notice(_)
                         | Packet::Preview(_),
+                        Packet::Shown(_),
                     ) => {}
                     Err(error) => self.counts.not_a_packet(error),
                 }

@@ -5,10 +5,11 @@
 use core::hint::black_box;
 use tetrad_core::hand::state::PoseState;
 use tetrad_core::observation::{Ball, Observation};
+use tetrad_core::vision::frame::PixelFormat;
 use tetrad_core::wire::{
     ArmReason, ArmState, ArmStatePacket, ArmVerdict, ButtonsPacket, CommandEcho, ControllerState, Covariance,
-    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, PressFor, PreviewPacket,
-    ScaleShare, Settled, Transform, decode_body, encode, encode_body,
+    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, PressFor, PreviewPacket, ScaleShare, Settled,
+    Shown, ShownPacket, Strip, Transform, decode_body, encode, encode_body,
 };
 
 tetrad_no_panic::program!({
@@ -85,8 +86,13 @@ tetrad_no_panic::program!({
         row: 7,
         pixels: [[8; 32]; 6],
     });
+    let look = Shown::Look { capture_us: 3, length: 4, width: 5, height: 6, format: PixelFormat::Nv12 };
+    let bytes = black_box([1_u8; 300]);
+    let strip = Strip::of(bytes.get(..black_box(9)).unwrap_or_default());
+    let shown = strip.map_or(look, |strip| Shown::Strip { offset: 3, strip });
+    let shown = Packet::from(ShownPacket { session: 1, picture: 2, shown });
     let mut buffer = black_box([0_u8; 300]);
-    for packet in black_box([observations, motion, state, buttons, preview]) {
+    for packet in black_box([observations, motion, state, buttons, preview, shown]) {
         for length in black_box([0_usize, 9, 300]) {
             if let Some(out) = buffer.get_mut(..length) {
                 let _ = black_box(encode_body(&packet, out));
