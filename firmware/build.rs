@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::{env, fs, io};
 
 /// The programs of the MPS2 boards.
-const MPS2: [&str; 5] = ["mps2-camera", "mps2-figures", "mps2-hand", "mps2-probes", "mps2-slave"];
+const MPS2: [&str; 6] =
+    ["mps2-camera", "mps2-figures", "mps2-hand", "mps2-probes", "mps2-slave", "mps2-streamed"];
 
 fn main() -> io::Result<()> {
     println!("cargo:rerun-if-changed=build.rs");
@@ -22,7 +23,7 @@ fn main() -> io::Result<()> {
     } else if env::var_os("CARGO_FEATURE_STM32H743").is_some() {
         // (its device.x comes with the crate of its registers)
         fs::copy("memory/stm32h743.x", out.join("memory.x"))?;
-        &["stm32h743-camera"]
+        &["stm32h743-camera", "stm32h743-streamed"]
     } else {
         &[]
     };

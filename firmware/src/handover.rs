@@ -81,6 +81,17 @@ pub enum Input {
     LineOverrun,
     /// There are no more pictures: those of a recording have been shown.
     End,
+    /// A sender of pictures begins: the camera is to be made anew.
+    Begin(Begin),
+}
+
+/// What a sender of pictures begins with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Begin {
+    /// The camera's session from now on.
+    pub session: u32,
+    /// Whether balls are tracked by the finer methods.
+    pub refined: bool,
 }
 
 /// Buffers that nobody uses.

@@ -13,6 +13,7 @@
 //! | pictures from a sensor into free buffers | `capture` | no |
 //! | commands out of a line's bytes | `receive` | no |
 //! | pictures and commands to packets | `track` | no |
+//! | pictures over the line in place of a sensor's | `streamed` | no |
 //! | packets to a line's bytes | `send` | no |
 //! | the same packets for two lines | `share` | no |
 //! | a line's bytes in the payloads of CAN FD | `can_fd` | no |
@@ -43,5 +44,6 @@ pub mod receive;
 pub mod send;
 pub mod share;
 pub mod slave;
+pub mod streamed;
 pub mod teach;
 pub mod track;

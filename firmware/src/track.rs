@@ -1,10 +1,11 @@
 //! Pictures and commands to packets.
 
-use crate::handover::{Buffers, Input, Inputs, Packets};
+use crate::handover::{Begin, Buffers, Input, Inputs, Packets};
 use crate::log;
 use tetrad_core::node::Node;
 
-/// Does what comes, in the order in which it comes; ends behind the last picture of a recording.
+/// Does what comes, in the order in which it comes; ends behind the last picture of a recording, or with the one
+/// who begins with a new camera.
 ///
 /// `now_us` is the clock of the pictures; where it has none, because they are recorded, each counts as
 /// observed when it was ready. `good` is called after every picture that was looked at: what feeds a
@@ -16,7 +17,7 @@ pub async fn track(
     packets: &Packets,
     now_us: impl Fn() -> Option<u64>,
     mut good: impl FnMut(),
-) {
+) -> Option<Begin> {
     loop {
         let notice = match inputs.receive().await {
             Input::Picture(picture) => {
@@ -53,8 +54,9 @@ pub async fn track(
             Input::LineOverrun => Some(node.line_overrun()),
             Input::End => {
                 packets.send(None).await;
-                return;
+                return None;
             }
+            Input::Begin(begin) => return Some(begin),
         };
         if let Some(notice) = notice {
             log::notice(&notice);

@@ -71,6 +71,7 @@ async fn bus_task(bus: Bus) {
 async fn main(spawner: Spawner) {
     static NODE: StaticCell<Node> = StaticCell::new();
     let mut board = stm32h743::start();
+    let watchdog = board.watchdog.wake();
     for buffer in pictures::take().expect("they are taken here alone") {
         assert!(BUFFERS_FREE.try_send(buffer).is_ok(), "there is room for each");
     }
@@ -87,7 +88,7 @@ async fn main(spawner: Spawner) {
     spawner.spawn(capture_task(board.camera).expect(once));
     spawner.spawn(receive_task(board.told).expect(once));
     spawner.spawn(teach_task(board.button, board.light).expect(once));
-    spawner.spawn(track_task(node, board.watchdog).expect(once));
+    spawner.spawn(track_task(node, watchdog).expect(once));
     spawner.spawn(share_task().expect(once));
     spawner.spawn(line_task(board.said).expect(once));
     spawner.spawn(bus_task(board.bus).expect(once));

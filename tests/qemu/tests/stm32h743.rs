@@ -1,7 +1,7 @@
-//! Promise: the program for the OpenMV Cam H7 lies in the memories that it is meant for, and its sizes are as
-//! they were. Nothing is said of how it runs: no emulator has the board.
+//! Promise: the programs for the OpenMV Cam H7 lie in the memories that they are meant for, and the camera's sizes
+//! are as they were. Nothing is said of how they run: no emulator has the board.
 //!
-//! `cargo verify --only firmware-stm32h743` builds it and prints the sizes; `TETRAD_BLESS=1` with it rewrites
+//! `cargo verify --only firmware-stm32h743` builds them and prints the sizes; `TETRAD_BLESS=1` with it rewrites
 //! tests/snapshots/stm32h743.txt.
 
 use std::collections::BTreeMap;
@@ -11,8 +11,12 @@ use std::{env, fs, io};
 use tetrad_fixtures::golden::blessing;
 use tetrad_qemu::elf::{Program, Segment};
 
-/// Names the program; `cargo verify` sets it.
-const PROGRAM: &str = "TETRAD_STM32H743";
+/// Names the folder of the programs; `cargo verify` sets it.
+const PROGRAMS: &str = "TETRAD_STM32H743";
+
+/// The camera, and the one that is shown its pictures over the line.
+const CAMERA: &str = "stm32h743-camera";
+const STREAMED: &str = "stm32h743-streamed";
 
 /// Names the file for what was measured, which `cargo verify` prints.
 const SHOWN: &str = "TETRAD_FIGURES";
@@ -30,11 +34,11 @@ const AXI: Range<u32> = 0x2400_0000..0x2408_0000;
 /// Two pictures of QVGA, two bytes a pixel.
 const PICTURES: u32 = 2 * 320 * 240 * 2;
 
-fn program() -> io::Result<Vec<Segment>> {
-    let path = env::var_os(PROGRAM).map(PathBuf::from).ok_or_else(|| {
-        io::Error::other(format!("{PROGRAM} is not set: run `cargo verify --only firmware-stm32h743`"))
+fn program(name: &str) -> io::Result<Vec<Segment>> {
+    let folder = env::var_os(PROGRAMS).map(PathBuf::from).ok_or_else(|| {
+        io::Error::other(format!("{PROGRAMS} is not set: run `cargo verify --only firmware-stm32h743`"))
     })?;
-    Program::new(&fs::read(path)?)?.segments()
+    Program::new(&fs::read(folder.join(name))?)?.segments()
 }
 
 /// The segments of a memory.
@@ -44,23 +48,25 @@ fn within(segments: &[Segment], memory: &Range<u32>) -> Vec<Segment> {
 
 #[test]
 fn pictures_alone_are_where_dma_reaches() -> io::Result<()> {
-    let segments: Vec<_> = program()?.into_iter().filter(|segment| segment.in_memory > 0).collect();
-    let pictures = within(&segments, &AXI);
-    let [Segment { address, in_file: 0, in_memory: PICTURES }] = pictures[..] else {
-        panic!("no two pictures, or something beside them: {pictures:x?}")
-    };
-    assert_eq!(address % 32, 0, "they begin with a line of the cache");
-    let elsewhere: Vec<_> = segments
-        .iter()
-        .filter(|segment| ![FLASH, VARIABLES, AXI].iter().any(|memory| memory.contains(&segment.address)))
-        .collect();
-    assert!(elsewhere.is_empty(), "in no memory, or in the stack's: {elsewhere:x?}");
+    for name in [CAMERA, STREAMED] {
+        let segments: Vec<_> = program(name)?.into_iter().filter(|segment| segment.in_memory > 0).collect();
+        let pictures = within(&segments, &AXI);
+        let [Segment { address, in_file: 0, in_memory: PICTURES }] = pictures[..] else {
+            panic!("{name}: no two pictures, or something beside them: {pictures:x?}")
+        };
+        assert_eq!(address % 32, 0, "{name}: they begin with a line of the cache");
+        let elsewhere: Vec<_> = segments
+            .iter()
+            .filter(|segment| ![FLASH, VARIABLES, AXI].iter().any(|memory| memory.contains(&segment.address)))
+            .collect();
+        assert!(elsewhere.is_empty(), "{name}: in no memory, or in the stack's: {elsewhere:x?}");
+    }
     Ok(())
 }
 
 #[test]
 fn its_sizes_are_as_they_were() -> io::Result<()> {
-    let segments = program()?;
+    let segments = program(CAMERA)?;
     let sum = |memory| within(&segments, memory).iter().map(|segment| segment.in_memory).sum::<u32>();
     let figures: BTreeMap<&str, u32> = [
         ("camera-flash", segments.iter().map(|segment| segment.in_file).sum()),

@@ -55,10 +55,10 @@ const BUILDS: [Build; 4] = [
     },
 ];
 
-const CAMERA: [&str; 3] = ["mps2-camera", "mps2-figures", "core-alone"];
+const CAMERA: [&str; 4] = ["mps2-camera", "mps2-streamed", "mps2-figures", "core-alone"];
 
-const ALL_BUT_THE_HAND: [&str; 5] =
-    ["mps2-camera", "mps2-figures", "core-alone", "mps2-probes", "mps2-slave"];
+const ALL_BUT_THE_HAND: [&str; 6] =
+    ["mps2-camera", "mps2-streamed", "mps2-figures", "core-alone", "mps2-probes", "mps2-slave"];
 
 impl Build {
     fn run(&self, context: &Context, toolchain: &Toolchain) -> Run {

@@ -20,7 +20,7 @@ pub(super) fn desktop(context: &Context) -> Outcome {
     outcome
 }
 
-/// The program is built, and tests/qemu looks at what it takes of which memory.
+/// The programs are built, and tests/qemu looks at what they take of which memory.
 pub(super) fn build(context: &Context) -> Outcome {
     let toolchain = match Toolchain::find(context) {
         Ok(toolchain) => toolchain,
@@ -29,21 +29,22 @@ pub(super) fn build(context: &Context) -> Outcome {
     let base = ["build", "--locked", "--release", "--manifest-path", MANIFEST];
     let mut cargo = toolchain.cargo_for(context, &base, Some("cortex-m7"));
     let folder = context.target.join("firmware");
-    cargo.args(["--features", "stm32h743", "--bin", "stm32h743-camera"]).env("CARGO_TARGET_DIR", &folder);
+    cargo.args(["--features", "stm32h743", "--bin", "stm32h743-camera", "--bin", "stm32h743-streamed"]);
+    cargo.env("CARGO_TARGET_DIR", &folder);
     let run = context.run(&mut cargo, LIMIT);
     if !run.ok {
         return run.outcome();
     }
-    let program = folder.join(TRIPLE).join("release/stm32h743-camera");
-    let Some(program) = program.to_str() else {
-        return Outcome::fail(format!("{}: the path has to be UTF-8", program.display()));
+    let programs = folder.join(TRIPLE).join("release");
+    let Some(programs) = programs.to_str() else {
+        return Outcome::fail(format!("{}: the path has to be UTF-8", programs.display()));
     };
     let figures = context.log_path(&context.check).with_extension("figures");
     // Left over from the last run; that it is not there is the usual case.
     let _ = fs::remove_file(&figures);
     let arguments = ["test", "--locked", "--package", "tetrad-qemu", "--features", "stm32h743"];
     let arguments = [&arguments[..], &["--test", "stm32h743"]].concat();
-    let told = [("TETRAD_STM32H743", program), ("TETRAD_FIGURES", figures.to_str().unwrap_or_default())];
+    let told = [("TETRAD_STM32H743", programs), ("TETRAD_FIGURES", figures.to_str().unwrap_or_default())];
     let outcome = suite::cargo_test_with(context, &arguments, &told);
     if outcome.failed > 0 {
         return outcome;

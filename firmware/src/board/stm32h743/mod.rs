@@ -65,22 +65,21 @@ pub struct Board {
     pub light: light::Light,
     /// The button; it pulls its pin low.
     pub button: Input<'static>,
-    /// It runs from now on.
-    pub watchdog: watchdog::Watchdog,
+    /// A program that looks at pictures in their time wakes it.
+    pub watchdog: watchdog::Asleep,
     /// The camera's place in the list of views: 1 where the jumper is set, else 0.
     pub number: u8,
     /// Another one each time the board starts.
     pub session: u32,
 }
 
-/// Starts the clocks, the watchdog and everything else. Once.
+/// Starts the clocks and everything but the watchdog. Once.
 ///
 /// # Panics
 /// When called a second time.
 #[must_use]
 pub fn start() -> Board {
     let p = embassy_stm32::init(clock::settings());
-    let watchdog = watchdog::Watchdog::start(p.IWDG1);
     // read last: until then its pull-up has pulled it up
     let jumper = Input::new(p.PD13, Pull::Up);
     let core = cortex_m::Peripherals::take().expect("the board is started once");
@@ -116,7 +115,7 @@ pub fn start() -> Board {
         bus: bus::Bus::new(can::CanConfigurator::new(p.FDCAN2, p.PB12, p.PB13, Interrupts), number),
         light: light::Light::new(p.PC0, p.PC1, p.PC2),
         button: Input::new(p.PD14, Pull::Up),
-        watchdog,
+        watchdog: watchdog::Asleep(p.IWDG1),
         number,
         session: Rng::new(p.RNG, Interrupts).next_u32(),
     }

@@ -20,16 +20,23 @@ fn now_ms() -> u32 {
     Instant::now().as_millis() as u32
 }
 
-/// The watchdog. It cannot be stopped.
+/// The watchdog before it runs.
+pub struct Asleep(pub(super) Peri<'static, IWDG1>);
+
+impl Asleep {
+    /// It runs from now on, and cannot be stopped.
+    #[must_use]
+    pub fn wake(self) -> Watchdog {
+        let mut watchdog = IndependentWatchdog::new(self.0, LIMIT_US);
+        watchdog.unleash();
+        Watchdog(watchdog)
+    }
+}
+
+/// The watchdog.
 pub struct Watchdog(IndependentWatchdog<'static, IWDG1>);
 
 impl Watchdog {
-    pub(super) fn start(chip: Peri<'static, IWDG1>) -> Self {
-        let mut watchdog = IndependentWatchdog::new(chip, LIMIT_US);
-        watchdog.unleash();
-        Self(watchdog)
-    }
-
     /// A picture was looked at.
     pub fn feed(&mut self) {
         self.0.pet();
