@@ -5,13 +5,13 @@ use crate::tape::{Event, Tape};
 use tetrad_core::config::LearnConfig;
 use tetrad_core::node::{Node, NodeConfig};
 use tetrad_core::vision::frame::{FrameView, PixelFormat};
-use tetrad_core::wire::{Decoder, MAX_FRAME_LEN, Packet, encode};
+use tetrad_core::wire::{BadPicture, Decoder, MAX_FRAME_LEN, Notice, NoticePacket, Packet, encode};
 
 /// The session of what is played from a tape.
 const SESSION: u32 = 1;
 
 /// A smart camera on the desktop, and all that it has put on its line.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Camera {
     node: Node,
     decoder: Decoder,
@@ -27,8 +27,17 @@ impl Camera {
     /// When core's own settings are refused.
     #[must_use]
     pub fn of(tape: &Tape) -> Self {
+        Self::begun(tape, SESSION)
+    }
+
+    /// The same in another session.
+    ///
+    /// # Panics
+    /// As [`Camera::of`].
+    #[must_use]
+    pub fn begun(tape: &Tape, session: u32) -> Self {
         let (tracker, learn) = (tape.mode.tracker(), LearnConfig::default());
-        let config = NodeConfig { camera: 0, session: SESSION, tracker, learn, started: false };
+        let config = NodeConfig { camera: 0, session, tracker, learn, started: false };
         let node = Node::new(&config).expect("core's own settings");
         Self { node, decoder: Decoder::new(), size: tape.size, format: tape.format, line: vec![0] }
     }
@@ -38,11 +47,7 @@ impl Camera {
     /// # Panics
     /// When it says something that is not finite.
     pub fn take(&mut self, event: &Event) {
-        let mut send = |packet: Packet| {
-            let mut frame = [0; MAX_FRAME_LEN];
-            let length = encode(&packet, &mut frame).expect("packets of a camera are finite");
-            self.line.extend(&frame[..length]);
-        };
+        let mut send = |packet: Packet| send(&mut self.line, &packet);
         match event {
             Event::Line(bytes) => {
                 for received in self.decoder.packets(bytes) {
@@ -69,11 +74,32 @@ impl Camera {
         }
     }
 
+    /// Takes what a line did to another camera, which has said so; whether it is something that lines do.
+    ///
+    /// # Panics
+    /// Never: such notices have no numbers that could be none.
+    pub fn suffer(&mut self, notice: Notice) -> bool {
+        let notice: NoticePacket = match notice {
+            Notice::PictureRefused { why: BadPicture::Overrun } => self.node.refuse(BadPicture::Overrun),
+            Notice::NotUnderstood { .. } => self.node.not_understood(),
+            Notice::LineOverrun { .. } => self.node.line_overrun(),
+            _ => return false,
+        };
+        send(&mut self.line, &notice.into());
+        true
+    }
+
     /// The line's bytes so far.
     #[must_use]
     pub fn line(&self) -> &[u8] {
         &self.line
     }
+}
+
+fn send(line: &mut Vec<u8>, packet: &Packet) {
+    let mut frame = [0; MAX_FRAME_LEN];
+    let length = encode(packet, &mut frame).expect("packets of a camera are finite");
+    line.extend(&frame[..length]);
 }
 
 /// The serial line's bytes.

@@ -1,4 +1,4 @@
-//! The firmware on QEMU's boards, on the pictures that the desktop has.
+//! The firmware on QEMU's boards and on real ones, on the pictures that the desktop has.
 //!
 //! | job | file |
 //! |---|---|
@@ -13,6 +13,10 @@
 //! | what a board makes of it | `board` |
 //! | what an operator and six drives do to a slave, and what the desktop makes of it | `slave` |
 //! | a board whose serial line somebody is at | `live` |
+//! | a camera that is shown its pictures over its line, beside the desktop | `sender` |
+//! | a real board, named by a file | `board_file` |
+//! | hardware in the loop: that board shown what its file names | `hil` |
+//! | a line that loses bytes, and brings others | `relay` |
 //! | what a line carries beside good commands | `garbage` |
 //! | what a board logs, with the feature `boards` | `log` |
 //! | how much memory a program takes, and where its code is | `elf` |
@@ -23,6 +27,7 @@
 
 pub mod arm;
 pub mod board;
+pub mod board_file;
 pub mod clip;
 pub mod desktop;
 pub mod elf;
@@ -30,11 +35,14 @@ pub mod fused;
 pub mod garbage;
 pub mod given;
 pub mod hand;
+pub mod hil;
 pub mod live;
 #[cfg(feature = "boards")]
 pub mod log;
 #[path = "../../../firmware/src/probes.rs"]
 pub mod probes;
 pub mod recorded;
+pub mod relay;
+pub mod sender;
 pub mod slave;
 pub mod tape;

@@ -30,7 +30,11 @@ impl Machine {
     fn start(target: Target, tape: &Tape, serial: &str) -> io::Result<Self> {
         let folder = tempfile::tempdir()?;
         fs::write(folder.path().join("tetrad.tape"), tape.live_bytes())?;
-        let child = target.qemu("mps2-camera", folder.path(), WAITING, serial)?.spawn()?;
+        Self::run(target, "mps2-camera", folder, serial)
+    }
+
+    fn run(target: Target, program: &str, folder: TempDir, serial: &str) -> io::Result<Self> {
+        let child = target.qemu(program, folder.path(), WAITING, serial)?.spawn()?;
         Ok(Self { child, folder })
     }
 
@@ -157,7 +161,18 @@ impl Plugged {
     /// # Errors
     /// There is no such program or no QEMU.
     pub fn start(target: Target, tape: &Tape) -> io::Result<Self> {
-        let mut machine = Machine::start(target, tape, "pty")?;
+        Self::of(Machine::start(target, tape, "pty")?)
+    }
+
+    /// A camera that is shown its pictures over its line.
+    ///
+    /// # Errors
+    /// As [`Plugged::start`].
+    pub fn streamed(target: Target) -> io::Result<Self> {
+        Self::of(Machine::run(target, "mps2-streamed", tempfile::tempdir()?, "pty")?)
+    }
+
+    fn of(mut machine: Machine) -> io::Result<Self> {
         let started = Instant::now();
         loop {
             if let Some(device) = device(&machine.said()) {

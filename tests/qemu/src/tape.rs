@@ -141,6 +141,25 @@ impl Tape {
         tape
     }
 
+    /// Its pictures, and when each was taken, microseconds.
+    pub fn pictures(&self) -> impl Iterator<Item = (u64, &[u8])> {
+        self.events.iter().filter_map(|event| match event {
+            Event::Picture(at_us, bytes) => Some((*at_us, &bytes[..])),
+            Event::Line(_) | Event::Pause(_) | Event::Case(_) => None,
+        })
+    }
+
+    /// Ends it behind so many pictures, where there are more.
+    pub fn end_behind(&mut self, pictures: usize) {
+        let places = self.events.iter().enumerate();
+        let mut places = places.filter(|(_, event)| matches!(event, Event::Picture(..)));
+        if let Some((last, _)) = pictures.checked_sub(1).and_then(|before| places.nth(before))
+            && places.next().is_some()
+        {
+            self.events.truncate(last + 1);
+        }
+    }
+
     /// The bytes of a tape that waits for what the line asks for: firmware/src/board/mps2/tape.rs says how.
     #[must_use]
     pub fn live_bytes(&self) -> Vec<u8> {
