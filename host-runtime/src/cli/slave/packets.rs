@@ -201,8 +201,8 @@ impl Reader {
                         | Packet::Buttons(_)
                         | Packet::Command(_)
                         | Packet::Notice(_)
-                        | Packet::Preview(_),
-                        Packet::Shown(_),
+                        | Packet::Preview(_)
+                        | Packet::Shown(_),
                     ) => {}
                     Err(error) => self.counts.not_a_packet(error),
                 }
