@@ -8,8 +8,8 @@ use tetrad_core::observation::{Ball, Observation};
 use tetrad_core::vision::frame::PixelFormat;
 use tetrad_core::wire::{
     ArmReason, ArmState, ArmStatePacket, ArmVerdict, ButtonsPacket, CommandEcho, ControllerState, Covariance,
-    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, PressFor, PreviewPacket, ScaleShare, Settled,
-    Shown, ShownPacket, Strip, Transform, decode_body, encode, encode_body,
+    Decoder, Feed, MeasuredJoints, MotionPacket, ObservationPacket, Packet, PressFor, PreviewPacket,
+    ScaleShare, Settled, Shown, ShownPacket, Strip, Transform, decode_body, encode, encode_body,
 };
 
 tetrad_no_panic::program!({
