@@ -1,3 +1,5 @@
+mod room;
+
 use super::*;
 use crate::console::snapshot::Snapshot;
 use crate::console::{Checklist, Token, ViewKind};
@@ -280,24 +282,6 @@ async fn without_the_token_nothing_but_health_is_told() {
         (page.status(), page.headers()["location"].to_str().unwrap()),
         (StatusCode::SEE_OTHER, "/sign-in")
     );
-}
-
-#[tokio::test]
-async fn a_page_is_told_that_too_many_are_open() {
-    let room = |sockets| {
-        let state = State {
-            desk: desk(),
-            access: Arc::new(Access::loopback()),
-            sessions: None,
-            web_sockets: Arc::new(Semaphore::new(sockets)),
-            within: WITHIN,
-        };
-        routes(state).oneshot(request(Method::GET, "/api/room", &[]))
-    };
-    assert_eq!(room(1).await.unwrap().status(), StatusCode::OK);
-    let full = room(0).await.unwrap();
-    assert_eq!(full.status(), StatusCode::SERVICE_UNAVAILABLE);
-    assert_eq!(text(full).await, "too many pages are open: close one\n");
 }
 
 #[tokio::test]
