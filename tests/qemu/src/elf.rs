@@ -117,6 +117,24 @@ impl<'a> Program<'a> {
         Ok(code)
     }
 
+    /// Where a variable or function of a name is.
+    ///
+    /// # Errors
+    /// There is none, or the file ends too early.
+    pub fn address_of(self, name: &str) -> io::Result<u32> {
+        let sections = self.sections()?;
+        for table in sections.iter().filter(|section| section.kind == SYMBOLS) {
+            let names = sections.get(table.link).ok_or_else(broken)?.at;
+            for at in (table.at..table.at + table.size).step_by(SYMBOL) {
+                let found = self.0.get(names + self.word(at)? as usize..).ok_or_else(broken)?;
+                if found.strip_prefix(name.as_bytes()).is_some_and(|rest| rest.first() == Some(&0)) {
+                    return self.word(at + 4);
+                }
+            }
+        }
+        Err(io::Error::other(format!("it has no {name}")))
+    }
+
     /// The addresses in a section where code (true) or data begin.
     fn marks(self, sections: &[Section], index: usize) -> io::Result<Vec<(u32, bool)>> {
         let mut marks = Vec::new();

@@ -37,7 +37,7 @@ pub mod given;
 pub mod hand;
 pub mod hil;
 pub mod live;
-#[cfg(feature = "boards")]
+#[cfg(any(feature = "boards", feature = "stm32h743"))]
 pub mod log;
 #[path = "../../../firmware/src/probes.rs"]
 pub mod probes;

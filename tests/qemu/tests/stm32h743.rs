@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 use tetrad_fixtures::golden::blessing;
 use tetrad_qemu::elf::{Program, Segment};
+use tetrad_qemu::log::messages;
 
 /// Names the folder of the programs; `cargo verify` sets it.
 const PROGRAMS: &str = "TETRAD_STM32H743";
@@ -17,6 +18,9 @@ const PROGRAMS: &str = "TETRAD_STM32H743";
 /// The camera, and the one that is shown its pictures over the line.
 const CAMERA: &str = "stm32h743-camera";
 const STREAMED: &str = "stm32h743-streamed";
+
+/// The camera with a log.
+const LOGGING: &str = "stm32h743-camera-logging";
 
 /// Names the file for what was measured, which `cargo verify` prints.
 const SHOWN: &str = "TETRAD_FIGURES";
@@ -34,11 +38,15 @@ const AXI: Range<u32> = 0x2400_0000..0x2408_0000;
 /// Two pictures of QVGA, two bytes a pixel.
 const PICTURES: u32 = 2 * 320 * 240 * 2;
 
-fn program(name: &str) -> io::Result<Vec<Segment>> {
+fn file(name: &str) -> io::Result<PathBuf> {
     let folder = env::var_os(PROGRAMS).map(PathBuf::from).ok_or_else(|| {
         io::Error::other(format!("{PROGRAMS} is not set: run `cargo verify --only firmware-stm32h743`"))
     })?;
-    Program::new(&fs::read(folder.join(name))?)?.segments()
+    Ok(folder.join(name))
+}
+
+fn program(name: &str) -> io::Result<Vec<Segment>> {
+    Program::new(&fs::read(file(name)?)?)?.segments()
 }
 
 /// The segments of a memory.
@@ -48,7 +56,7 @@ fn within(segments: &[Segment], memory: &Range<u32>) -> Vec<Segment> {
 
 #[test]
 fn pictures_alone_are_where_dma_reaches() -> io::Result<()> {
-    for name in [CAMERA, STREAMED] {
+    for name in [CAMERA, STREAMED, LOGGING] {
         let segments: Vec<_> = program(name)?.into_iter().filter(|segment| segment.in_memory > 0).collect();
         let pictures = within(&segments, &AXI);
         let [Segment { address, in_file: 0, in_memory: PICTURES }] = pictures[..] else {
@@ -61,6 +69,20 @@ fn pictures_alone_are_where_dma_reaches() -> io::Result<()> {
             .collect();
         assert!(elsewhere.is_empty(), "{name}: in no memory, or in the stack's: {elsewhere:x?}");
     }
+    Ok(())
+}
+
+#[test]
+fn the_log_is_where_a_probe_finds_it_and_words_can_be_made_of_it() -> io::Result<()> {
+    let logging = file(LOGGING)?;
+    let bytes = fs::read(&logging)?;
+    let buffers = Program::new(&bytes)?.address_of("_SEGGER_RTT")?;
+    assert!(VARIABLES.contains(&buffers), "{buffers:x}: not in the memory that no cache holds");
+    assert!(messages(&logging, &[])?.is_empty());
+    // nothing of it is left in the camera without
+    let silent = file(CAMERA)?;
+    assert!(Program::new(&fs::read(&silent)?)?.address_of("_SEGGER_RTT").is_err());
+    assert!(messages(&silent, &[]).is_err());
     Ok(())
 }
 

@@ -9,6 +9,9 @@ use std::time::Duration;
 /// The crates for its chip are large.
 const LIMIT: Duration = Duration::from_secs(1800);
 
+/// What the camera with a log is called beside the one without.
+const LOGGING: &str = "stm32h743-camera-logging";
+
 /// The parts that know no board, on this computer.
 pub(super) fn desktop(context: &Context) -> Outcome {
     let folder = context.target.join("firmware").display().to_string();
@@ -27,15 +30,28 @@ pub(super) fn build(context: &Context) -> Outcome {
         Err(missing) => return Outcome::skip(&context.check, missing),
     };
     let base = ["build", "--locked", "--release", "--manifest-path", MANIFEST];
-    let mut cargo = toolchain.cargo_for(context, &base, Some("cortex-m7"));
     let folder = context.target.join("firmware");
-    cargo.args(["--features", "stm32h743", "--bin", "stm32h743-camera", "--bin", "stm32h743-streamed"]);
-    cargo.env("CARGO_TARGET_DIR", &folder);
-    let run = context.run(&mut cargo, LIMIT);
-    if !run.ok {
-        return run.outcome();
-    }
     let programs = folder.join(TRIPLE).join("release");
+    // the camera that logs first: the one that is kept and measured is the one without
+    let builds: [(&str, &[&str]); 2] = [
+        ("stm32h743,defmt", &["stm32h743-camera"]),
+        ("stm32h743", &["stm32h743-camera", "stm32h743-streamed"]),
+    ];
+    for (features, names) in builds {
+        let mut cargo = toolchain.cargo_for(context, &base, Some("cortex-m7"));
+        cargo.args(["--features", features]).args(names.iter().flat_map(|name| ["--bin", name]));
+        let logs = features.ends_with("defmt");
+        if logs {
+            cargo.env("DEFMT_LOG", "info");
+        }
+        let run = context.run(cargo.env("CARGO_TARGET_DIR", &folder), LIMIT);
+        if !run.ok {
+            return run.outcome();
+        }
+        if logs && let Err(error) = fs::rename(programs.join("stm32h743-camera"), programs.join(LOGGING)) {
+            return Outcome::fail(format!("{LOGGING} cannot be kept: {error}"));
+        }
+    }
     let Some(programs) = programs.to_str() else {
         return Outcome::fail(format!("{}: the path has to be UTF-8", programs.display()));
     };

@@ -10,6 +10,7 @@
 //! | the three colours of the light | `light` |
 //! | a reset when no picture was looked at for too long | `watchdog` |
 //! | what happens when something cannot be gone on with | `fault` |
+//! | the log, with the feature `defmt` | `log` |
 //!
 //! The processor's stack and variables are in DTCM, which is as fast as it is. Caches are for code,
 //! constants and pictures; `pictures` says why none of them ever shows an old picture.
@@ -19,6 +20,8 @@ pub mod camera;
 mod clock;
 mod fault;
 pub mod light;
+#[cfg(feature = "defmt")]
+mod log;
 pub mod pictures;
 pub mod watchdog;
 
