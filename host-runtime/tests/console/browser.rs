@@ -98,14 +98,21 @@ impl Browser {
         browser
     }
 
-    /// Loads a page, to its end.
+    /// Loads a page, to its end, until it is seen.
     pub(crate) fn go(&self, url: &str) {
         self.session.post("/url", json!({"url": url}));
+        self.until_painted();
     }
 
     /// Loads the page again.
     pub(crate) fn reload(&self) {
         self.session.post("/refresh", json!({}));
+        self.until_painted();
+    }
+
+    /// Before it has painted a page for the first time, Chromium drops the keys that are meant for it.
+    fn until_painted(&self) {
+        self.until("document.hidden || performance.getEntriesByType('paint').length > 0");
     }
 
     /// The cookies of the page's place, as WebDriver tells them (section 14).
@@ -130,11 +137,20 @@ impl Browser {
     /// Waits until an expression is true in the page.
     #[track_caller]
     pub(crate) fn until(&self, expression: &str) {
+        assert!(self.within(LONG, expression), "{expression} does not come true:\n{}", self.text("body"));
+    }
+
+    /// The same, and whether it did so in time.
+    #[track_caller]
+    pub(crate) fn within(&self, limit: Duration, expression: &str) -> bool {
         let began = Instant::now();
         while self.script(&format!("return Boolean({expression})")) != true {
-            assert!(began.elapsed() < LONG, "{expression} does not come true:\n{}", self.text("body"));
+            if began.elapsed() > limit {
+                return false;
+            }
             std::thread::sleep(POLL);
         }
+        true
     }
 
     /// Presses a key and keeps it down.

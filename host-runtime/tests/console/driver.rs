@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 /// So long nothing moves that is not to move.
 pub(crate) const A_WHILE: Duration = Duration::from_millis(500);
 
-/// A press or a reset that came to nothing on a busy computer is made again.
+/// What came to nothing on a busy computer is pressed again.
 const AGAIN: Duration = Duration::from_secs(4);
 
 /// Opens the drive page and takes control by its key.
@@ -19,8 +19,15 @@ pub(crate) fn take_control(browser: &Browser, url: &str) {
 /// Takes control where the page is open.
 pub(crate) fn take(browser: &Browser) {
     browser.until("!document.getElementById('take').disabled");
-    browser.tap("t");
-    browser.until("!document.getElementById('give').disabled");
+    let began = Instant::now();
+    loop {
+        browser.tap("t");
+        if browser.within(AGAIN, "!document.getElementById('give').disabled") {
+            return;
+        }
+        // it was still with a page that has gone
+        assert!(began.elapsed() < LONG, "control is not given:\n{}", browser.text("body"));
+    }
 }
 
 /// Resets and holds the space bar until the arm moves; it stays down.
@@ -51,11 +58,14 @@ pub(crate) fn press(
     }
 }
 
-/// Resets until the arm waits for a press.
+/// Resets until the arm waits for a press, in control again where a busy computer had the page silent for too long.
 #[track_caller]
 pub(crate) fn reset(browser: &Browser, witness: &Witness) {
     let began = Instant::now();
     loop {
+        if browser.script("return document.getElementById('give').disabled") == true {
+            take(browser);
+        }
         browser.tap("r");
         let is_ready = |live: &serde_json::Value| {
             live["snapshot"]["arm"]["state"] == "armed" && live["control"]["stopped"] == false

@@ -112,10 +112,17 @@ pub(super) fn of_cargo_test(output: &str, skip_log: &str, succeeded: bool) -> Ou
     outcome
 }
 
-/// What a failed test printed, shortened.
+/// What a failed test printed, shortened: what libtest kept of it, or, where it keeps nothing (`--nocapture`),
+/// the panic and what came after it.
 fn said_by(name: &str, output: &str) -> String {
-    let said = output.split_once(&format!("---- {name} stdout ----\n")).map_or("", |(_, after)| after);
-    let lines = said.lines().take_while(|line| !line.starts_with("---- ") && *line != "failures:");
+    let kept = output.split_once(&format!("---- {name} stdout ----\n")).map(|(_, after)| after);
+    let said = kept.or_else(|| {
+        let panic = output.find(&format!("thread '{name}' "))?;
+        output.get(panic..)
+    });
+    let is_of_it =
+        |line: &&str| !line.starts_with("---- ") && !line.starts_with("test ") && *line != "failures:";
+    let lines = said.unwrap_or_default().lines().take_while(is_of_it);
     let lines: String = lines.take(FAILURE_LINES).map(|line| format!("  {line}\n")).collect();
     format!("FAILED {name}\n{lines}")
 }
@@ -158,6 +165,24 @@ test result: ok. 5 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; fini
         assert_eq!((outcome.passed, outcome.failed), (17, 1));
         assert_eq!(outcome.skipped, [Skip { name: "d".into(), why: "needs a camera".into() }]);
         assert_eq!(outcome.report, "FAILED a::c\n  assertion failed: left == right\n  \n");
+    }
+
+    #[test]
+    fn a_panic_is_shown_where_nothing_was_kept_of_a_test() {
+        let output = "\
+running 2 tests
+thread 'a::b' (17) panicked at tests/a.rs:3:5:
+assertion `left == right` failed
+test a::b ... FAILED
+test a::c ... ok
+
+failures:
+    a::b
+
+test result: FAILED. 1 passed; 1 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.00s
+";
+        let shown = "FAILED a::b\n  thread 'a::b' (17) panicked at tests/a.rs:3:5:\n  assertion `left == right` failed\n";
+        assert_eq!(of_cargo_test(output, "", false).report, shown);
     }
 
     #[test]
