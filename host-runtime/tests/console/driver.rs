@@ -18,11 +18,16 @@ pub(crate) fn take_control(browser: &Browser, url: &str) {
 
 /// Takes control where the page is open.
 pub(crate) fn take(browser: &Browser) {
-    browser.until("!document.getElementById('take').disabled");
+    let (can_take, has) =
+        ("!document.getElementById('take').disabled", "!document.getElementById('give').disabled");
     let began = Instant::now();
     loop {
+        browser.until(&format!("{can_take} || {has}"));
+        if browser.within(Duration::ZERO, has) {
+            return;
+        }
         browser.tap("t");
-        if browser.within(AGAIN, "!document.getElementById('give').disabled") {
+        if browser.within(AGAIN, has) {
             return;
         }
         // it was still with a page that has gone

@@ -121,6 +121,19 @@ fn stop_is_the_first_that_the_keyboard_reaches() {
     }
 }
 
+/// Nothing that takes control to be of use looks as if it were before the page knows whether it has any: a press would
+/// go nowhere.
+#[test]
+fn what_takes_control_is_disabled_until_the_page_knows_of_it() {
+    for path in ["/drive", "/slave"] {
+        let page = PAGES.iter().find(|page| page.path == path).unwrap();
+        for id in ["take", "give", "reset", "hold", "hold-home", "less", "more"] {
+            let button = page.content.split_once(&format!("<button id=\"{id}\"")).expect(id).1;
+            assert!(button.split('>').next().unwrap().ends_with(" disabled"), "{path}: {id}");
+        }
+    }
+}
+
 /// A reader of the screen finds the page's name, and is told what changes: of a list's roles a status is none.
 #[test]
 fn every_page_has_one_name_and_no_list_is_a_status() {
