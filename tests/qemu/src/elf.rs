@@ -122,14 +122,10 @@ impl<'a> Program<'a> {
     /// # Errors
     /// There is none, or the file ends too early.
     pub fn address_of(self, name: &str) -> io::Result<u32> {
-        let sections = self.sections()?;
-        for table in sections.iter().filter(|section| section.kind == SYMBOLS) {
-            let names = sections.get(table.link).ok_or_else(broken)?.at;
-            for at in (table.at..table.at + table.size).step_by(SYMBOL) {
-                let found = self.0.get(names + self.word(at)? as usize..).ok_or_else(broken)?;
-                if found.strip_prefix(name.as_bytes()).is_some_and(|rest| rest.first() == Some(&0)) {
-                    return self.word(at + 4);
-                }
+        for (at, names) in self.symbols(&self.sections()?)? {
+            let found = self.0.get(names + self.word(at)? as usize..).ok_or_else(broken)?;
+            if found.strip_prefix(name.as_bytes()).is_some_and(|rest| rest.first() == Some(&0)) {
+                return self.word(at + 4);
             }
         }
         Err(io::Error::other(format!("it has no {name}")))
@@ -138,21 +134,29 @@ impl<'a> Program<'a> {
     /// The addresses in a section where code (true) or data begin.
     fn marks(self, sections: &[Section], index: usize) -> io::Result<Vec<(u32, bool)>> {
         let mut marks = Vec::new();
-        for table in sections.iter().filter(|section| section.kind == SYMBOLS) {
-            let names = sections.get(table.link).ok_or_else(broken)?.at;
-            for at in (table.at..table.at + table.size).step_by(SYMBOL) {
-                let name = names + self.word(at)? as usize;
-                let is_code = match self.0.get(name..name + 2).ok_or_else(broken)? {
-                    b"$t" => true,
-                    b"$d" => false,
-                    _ => continue,
-                };
-                if usize::from(self.half(at + 14)?) == index {
-                    marks.push((self.word(at + 4)?, is_code));
-                }
+        for (at, names) in self.symbols(sections)? {
+            let name = names + self.word(at)? as usize;
+            let is_code = match self.0.get(name..name + 2).ok_or_else(broken)? {
+                b"$t" => true,
+                b"$d" => false,
+                _ => continue,
+            };
+            if usize::from(self.half(at + 14)?) == index {
+                marks.push((self.word(at + 4)?, is_code));
             }
         }
         Ok(marks)
+    }
+
+    /// Where each symbol is, and where the names are that it has one of.
+    fn symbols(self, sections: &[Section]) -> io::Result<Vec<(usize, usize)>> {
+        let mut symbols = Vec::new();
+        for table in sections.iter().filter(|section| section.kind == SYMBOLS) {
+            let names = sections.get(table.link).ok_or_else(broken)?.at;
+            let places = (table.at..table.at + table.size).step_by(SYMBOL);
+            symbols.extend(places.map(|at| (at, names)));
+        }
+        Ok(symbols)
     }
 
     fn sections(self) -> io::Result<Vec<Section>> {
